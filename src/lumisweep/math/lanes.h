@@ -1,0 +1,145 @@
+// The vocabulary of lane-generic code: what a stage may do with a lane type F.
+//
+// Stages are templates over F. F = float is the scalar reference and each CUDA thread; lanes_avx2.h and lanes_avx512.h add
+// Lanes<float> types of 8 and 16 lanes with the same functions. Associated types: mask_of<F>, int_of<F> (32-bit, wraps on
+// overflow). Above this header code reads like scalar code. F = double has what the oracles need of it.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "lumisweep/base/host_device.h"
+
+namespace lumisweep {
+
+template <class F>
+struct LaneTraits;
+
+template <>
+struct LaneTraits<float> {
+    using Int = std::int32_t;
+    using Mask = bool;
+    static constexpr int width = 1;
+};
+template <>
+struct LaneTraits<double> {
+    using Int = std::int32_t;
+    using Mask = bool;
+    static constexpr int width = 1;
+};
+
+template <class F>
+using int_of = typename LaneTraits<F>::Int;
+template <class F>
+using mask_of = typename LaneTraits<F>::Mask;
+template <class F>
+inline constexpr int lane_width = LaneTraits<F>::width;
+
+// ---- selection and masks --------------------------------------------------------------------------------------------
+LUMISWEEP_HD float select(bool m, float a, float b) { return m ? a : b; }
+LUMISWEEP_HD double select(bool m, double a, double b) { return m ? a : b; }
+LUMISWEEP_HD std::int32_t select(bool m, std::int32_t a, std::int32_t b) { return m ? a : b; }
+LUMISWEEP_HD bool any(bool m) { return m; }
+LUMISWEEP_HD bool all(bool m) { return m; }
+LUMISWEEP_HD int count(bool m) { return m ? 1 : 0; }
+/// Bit i set: lane i is on.
+LUMISWEEP_HD std::uint32_t bits(bool m) { return m ? 1U : 0U; }
+/// The mask of the first n lanes.
+template <class F>
+LUMISWEEP_HD mask_of<F> first_lanes(int n);
+template <>
+LUMISWEEP_HD bool first_lanes<float>(int n)
+{
+    return n > 0;
+}
+
+// ---- arithmetic -----------------------------------------------------------------------------------------------------
+LUMISWEEP_HD float min(float a, float b) { return b < a ? b : a; }
+LUMISWEEP_HD float max(float a, float b) { return a < b ? b : a; }
+LUMISWEEP_HD double min(double a, double b) { return b < a ? b : a; }
+LUMISWEEP_HD double max(double a, double b) { return a < b ? b : a; }
+LUMISWEEP_HD std::int32_t min(std::int32_t a, std::int32_t b) { return b < a ? b : a; }
+LUMISWEEP_HD std::int32_t max(std::int32_t a, std::int32_t b) { return a < b ? b : a; }
+LUMISWEEP_HD float abs(float a) { return std::fabs(a); }
+LUMISWEEP_HD double abs(double a) { return std::fabs(a); }
+LUMISWEEP_HD float sqrt(float a) { return std::sqrt(a); }
+LUMISWEEP_HD double sqrt(double a) { return std::sqrt(a); }
+LUMISWEEP_HD float floor(float a) { return std::floor(a); }
+LUMISWEEP_HD double floor(double a) { return std::floor(a); }
+LUMISWEEP_HD float copysign(float magnitude, float sign) { return std::copysign(magnitude, sign); }
+LUMISWEEP_HD double copysign(double magnitude, double sign) { return std::copysign(magnitude, sign); }
+/// a · b + c; fused where the lane type's machine fuses (so results differ between lane types by rounding only).
+LUMISWEEP_HD float fma(float a, float b, float c) { return a * b + c; }
+LUMISWEEP_HD double fma(double a, double b, double c) { return a * b + c; }
+/// Natural logarithm of a normal, positive number.
+LUMISWEEP_HD float log(float a) { return std::log(a); }
+
+// ---- integers and conversions ---------------------------------------------------------------------------------------
+LUMISWEEP_HD std::int32_t to_int(float a) { return static_cast<std::int32_t>(a); } ///< truncates; must fit
+LUMISWEEP_HD std::int32_t to_int(double a) { return static_cast<std::int32_t>(a); }
+LUMISWEEP_HD float to_float(std::int32_t a) { return static_cast<float>(a); }
+LUMISWEEP_HD std::int32_t wrapping_mul(std::int32_t a, std::int32_t b)
+{
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) * static_cast<std::uint32_t>(b));
+}
+LUMISWEEP_HD std::int32_t wrapping_add(std::int32_t a, std::int32_t b)
+{
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b));
+}
+template <int Shift>
+LUMISWEEP_HD std::int32_t shift_left(std::int32_t a)
+{
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) << Shift);
+}
+/// Logical (zeros enter at the top).
+template <int Shift>
+LUMISWEEP_HD std::int32_t shift_right(std::int32_t a)
+{
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) >> Shift);
+}
+
+// ---- memory ---------------------------------------------------------------------------------------------------------
+template <class F>
+LUMISWEEP_HD F load(const float* p);
+template <>
+LUMISWEEP_HD float load<float>(const float* p)
+{
+    return *p;
+}
+template <class F>
+LUMISWEEP_HD int_of<F> load(const std::int32_t* p);
+template <>
+LUMISWEEP_HD std::int32_t load<float>(const std::int32_t* p)
+{
+    return *p;
+}
+LUMISWEEP_HD void store(float* p, float a) { *p = a; }
+LUMISWEEP_HD void store(std::int32_t* p, std::int32_t a) { *p = a; }
+/// Stores the lanes that are on, packed; may write garbage over the rest of a full vector behind them.
+LUMISWEEP_HD void compress_store(float* p, bool m, float a)
+{
+    if (m)
+        *p = a;
+}
+LUMISWEEP_HD void compress_store(std::int32_t* p, bool m, std::int32_t a)
+{
+    if (m)
+        *p = a;
+}
+LUMISWEEP_HD float gather(const float* base, std::int32_t index) { return base[index]; }
+LUMISWEEP_HD std::int32_t gather(const std::int32_t* base, std::int32_t index) { return base[index]; }
+
+/// Two neighbours along x, base[index] and base[index + 1], as floats. Reads at most 4 bytes past base[index + 1].
+template <class F>
+struct Pair {
+    F first, second;
+};
+template <class Voxel>
+LUMISWEEP_HD Pair<float> gather_pair(const Voxel* base, std::int32_t index)
+{
+    return {static_cast<float>(base[index]), static_cast<float>(base[index + 1])};
+}
+
+} // namespace lumisweep

@@ -1,0 +1,53 @@
+// Transfer function: value in data units → extinction σt (1/world unit) and albedo ρ per channel, piecewise linear.
+#pragma once
+
+#include <vector>
+
+#include "lumisweep/base/aligned.h"
+#include "lumisweep/math/vec.h"
+#include "lumisweep/volume/transfer_function_view.h"
+
+namespace lumisweep {
+
+struct TransferPoint {
+    double value = 0.0;         ///< data units
+    double extinction = 0.0;    ///< 1 / world unit, before extinction_scale
+    Vec3d albedo{1.0, 1.0, 1.0};///< [0, 1] per channel
+};
+
+/// Piecewise linear between points sorted by value, clamped outside the first and the last. Two points may share a value:
+/// a step, whose upper side holds from that value on.
+class TransferFunction {
+public:
+    struct Material {
+        double extinction;
+        Vec3d albedo;
+    };
+
+    TransferFunction() = default;
+    /// Throws Error for no points, unsorted or non-finite values, negative extinction, albedo outside [0, 1].
+    explicit TransferFunction(std::vector<TransferPoint> points, double extinction_scale = 1.0);
+
+    const std::vector<TransferPoint>& points() const { return points_; }
+    double extinction_scale() const { return extinction_scale_; }
+
+    /// The reference evaluation; NaN gives zero extinction.
+    Material evaluate(double value) const;
+    /// The largest extinction over values in [low, high]; 0 for an empty interval (low > high).
+    double max_extinction(double low, double high) const;
+
+    /// Tables that kernels read, for raw voxels with value = slope · raw + intercept. Valid while this object lives.
+    TransferFunctionView view(double slope, double intercept) const;
+
+private:
+    void build_tables();
+
+    std::vector<TransferPoint> points_;
+    double extinction_scale_ = 1.0;
+    AlignedArray<float> knots_;      // see TransferFunctionView
+    AlignedArray<std::int32_t> hints_;
+    float inverse_bin_ = 0.0F;
+    int search_steps_ = 0;
+};
+
+} // namespace lumisweep

@@ -1,0 +1,58 @@
+// The film: per-pixel sums over samples, and the image that they mean.
+#pragma once
+
+#include <cstdint>
+
+#include "lumisweep/base/aligned.h"
+#include "lumisweep/image/image.h"
+
+namespace lumisweep {
+
+/// What kernels write. Every sample of a pixel adds to that pixel only.
+/// Memory: color_sum and color_sum_squares [pixels][3] double; features [pixels][8] float:
+/// albedo r g b, normal x y z (world), depth, hits (samples that met the volume).
+struct FilmView {
+    int width = 0, height = 0;
+    double* color_sum = nullptr;
+    double* color_sum_squares = nullptr;
+    float* features = nullptr;
+};
+
+class Film {
+public:
+    static constexpr int feature_count = 8;
+    static std::uint64_t bytes_needed(int width, int height);
+
+    Film() = default;
+    Film(int width, int height);
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    std::int64_t samples() const { return samples_; } ///< per pixel
+    void set_samples(std::int64_t samples) { samples_ = samples; }
+    void clear();
+    FilmView view();
+
+    /// The sums, for checkpoints: written and read back whole.
+    AlignedArray<double>& color_sum() { return color_sum_; }
+    const AlignedArray<double>& color_sum() const { return color_sum_; }
+    AlignedArray<double>& color_sum_squares() { return color_sum_squares_; }
+    const AlignedArray<double>& color_sum_squares() const { return color_sum_squares_; }
+    AlignedArray<float>& features() { return features_; }
+    const AlignedArray<float>& features() const { return features_; }
+
+    /// Estimated relative error of the image: √(mean over pixels of the luminance variance of the pixel's mean) / mean
+    /// luminance. +infinity below two samples or for a black image whose variance is unknown.
+    double noise() const;
+
+    /// Layers as documented in docs/output.md: R G B A, Variance.*, albedo.*, normal.*, depth.Z.
+    Image to_image() const;
+
+private:
+    int width_ = 0, height_ = 0;
+    std::int64_t samples_ = 0;
+    AlignedArray<double> color_sum_, color_sum_squares_;
+    AlignedArray<float> features_;
+};
+
+} // namespace lumisweep

@@ -1,6 +1,7 @@
 // Transfer function: value in data units → extinction σt (1/world unit) and albedo ρ per channel, piecewise linear.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "lumisweep/base/aligned.h"
@@ -24,7 +25,8 @@ public:
         Vec3d albedo;
     };
 
-    TransferFunction() = default;
+    /// Empty space everywhere.
+    TransferFunction() : TransferFunction({TransferPoint{}}) {}
     /// Throws Error for no points, unsorted or non-finite values, negative extinction, albedo outside [0, 1].
     explicit TransferFunction(std::vector<TransferPoint> points, double extinction_scale = 1.0);
 
@@ -44,7 +46,7 @@ private:
 
     std::vector<TransferPoint> points_;
     double extinction_scale_ = 1.0;
-    AlignedArray<float> knots_;      // see TransferFunctionView
+    AlignedArray<float> table_; // as in TransferFunctionView
     AlignedArray<std::int32_t> hints_;
     float inverse_bin_ = 0.0F;
     int search_steps_ = 0;

@@ -19,8 +19,8 @@ struct ExtinctionGrid {
 
 /// Classified before interpolation (the renderer interpolates first), which is why its visibility only steers sampling.
 struct ExtinctionPyramid {
-    Affine3d world_from_voxel;   ///< of the finest level
-    float scale = 0.0F;          ///< extinction of stored = 1; 0 for an empty volume
+    Affine3d world_from_voxel; ///< of the finest level
+    float scale = 0.0F;        ///< extinction of stored = 1; 0 for an empty volume
     std::vector<ExtinctionGrid> levels;
     std::size_t bytes() const;
 };

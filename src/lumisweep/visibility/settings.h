@@ -6,11 +6,11 @@ namespace lumisweep {
 enum class SweepFilter { none, half_angle, full_angle };
 
 struct VisibilitySettings {
-    int directions = 8;       ///< n of the n × n octahedral map: 1, 2, 4, 8, 16 or 32
-    int cell = 4;             ///< voxels of the volume per visibility cell along each axis, 1 … 64
-    int rays = 0;             ///< s of the s × s sweep kernel; 0 is "auto"
+    int directions = 8; ///< n of the n × n octahedral map: 1, 2, 4, 8, 16 or 32
+    int cell = 4;       ///< voxels of the volume per visibility cell along each axis, 1 … 64
+    int rays = 0;       ///< s of the s × s sweep kernel; 0 is "auto"
     SweepFilter filter = SweepFilter::half_angle;
-    double epsilon = 0.01;    ///< added to V before normalising; > 0, else a wrong V = 0 could bias the image
+    double epsilon = 0.01; ///< added to V before normalising; > 0, else a wrong V = 0 could bias the image
 
     /// Throws Error naming the entry ("visibility.cell") that is out of range.
     void validate() const;

@@ -10,9 +10,9 @@
 
 namespace lumisweep {
 
-/// Cells divide the volume's box evenly: cells.x = ceil(size.x / cell), each cells' extent is size.x / cells.x ≤ cell voxels,
-/// and V is meant at cell centres, p_voxel = (i + 1/2) · size.x / cells.x. Directions are the texel centres of the n × n
-/// octahedral map of world space, in Morton order. Visibility is stored in 8 bits: V = stored / 255.
+/// Cells divide the volume's box evenly: cells.x = ceil(size.x / cell), each cells' extent is size.x / cells.x ≤ cell
+/// voxels, and V is meant at cell centres, p_voxel = (i + 1/2) · size.x / cells.x. Directions are the texel centres of
+/// the n × n octahedral map of world space, in Morton order. Visibility is stored in 8 bits: V = stored / 255.
 class VisibilityGrid {
 public:
     VisibilityGrid() = default;
@@ -43,5 +43,8 @@ private:
     int n_ = 0;
     AlignedArray<std::uint8_t> stored_;
 };
+
+/// The unit direction, in world space, of the centre of texel `morton` of the n × n map.
+Vec3d texel_direction(int morton, int directions_per_side);
 
 } // namespace lumisweep

@@ -1,0 +1,48 @@
+// The slow oracles for visibility: scalar, double precision, one ray at a time, never optimised.
+//
+// Three references, because they differ and every comparison must name its own:
+//   classified  the sweep's own volume, extinction per voxel in 8 bits, interpolated after classifying; integrated
+//   exactly exact       the renderer's: the volume interpolated, then classified; midpoint rule with a given step
+//   averaged    "classified", averaged over a cell and a texel: what a filtered sweep aims at
+#pragma once
+
+#include <cstdint>
+
+#include "lumisweep/visibility/extinction_grid.h"
+#include "lumisweep/visibility/visibility_grid.h"
+
+namespace lumisweep {
+
+/// Transmittance from p_voxel (finest voxels) along the unit vector w_world until outside of the level's box. Between
+/// planes of voxel centres the trilinear extinction along a ray is a cubic polynomial, which two-point Gauss–Legendre
+/// integrates exactly.
+double transmittance_classified(const ExtinctionPyramid& extinction, int level, const Vec3d& p_voxel,
+                                const Vec3d& w_world);
+
+/// Transmittance in the renderer's sense. `step_voxels` is the length of a midpoint step, measured in voxel index
+/// space.
+double transmittance_exact(const ScalarGrid& volume, const TransferFunction& transfer_function, const Vec3d& p_voxel,
+                           const Vec3d& w_world, double step_voxels);
+
+/// transmittance_classified on the finest level, averaged over cell (i, j, k) of `grid` and texel `direction`, by
+/// strata³ positions paired at random with strata³ directions, both jittered.
+double transmittance_averaged(const ExtinctionPyramid& extinction, const VisibilityGrid& grid, Vec3i cell,
+                              int direction, int strata, std::uint64_t seed);
+
+/// The whole grid from transmittance_classified at cell and texel centres.
+VisibilityGrid brute_force_visibility(const ExtinctionPyramid& extinction, int level, int voxels_per_cell,
+                                      int directions_per_side);
+
+/// How far a grid is off at random cells, all directions of each. Against `classified` on the finest level and
+/// `averaged`.
+struct SweepCheck {
+    int positions = 0;
+    double rms = 0.0, max = 0.0;
+    double rms_averaged = 0.0, max_averaged = 0.0;
+};
+
+/// The same positions for the same seed, whatever the number of threads. Throws Error unless `grid` fits the volume.
+SweepCheck sweep_check(const VisibilityGrid& grid, const ExtinctionPyramid& extinction, int positions,
+                       std::uint64_t seed);
+
+} // namespace lumisweep

@@ -1,0 +1,172 @@
+#include "lumisweep/scene/load_scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "lumisweep/base/error.h"
+#include "lumisweep/base/memory.h"
+#include "lumisweep/image/hdr.h"
+#include "lumisweep/light/latlong.h"
+#include "lumisweep/math/trigonometry.h"
+#include "lumisweep/sampling/joint_grid.h"
+#include "lumisweep/scene/framing.h"
+#include "lumisweep/scene/presets.h"
+#include "lumisweep/scene/scene_file.h"
+#include "lumisweep/volume/io/expand_files.h"
+
+namespace lumisweep {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Environment constant_environment(const Vec3d& radiance, int resolution)
+{
+    const auto texels = static_cast<std::size_t>(resolution) * static_cast<std::size_t>(resolution);
+    AlignedArray<float> rgb(3 * texels);
+    const Vec3f value = to_float(radiance);
+    for (std::size_t t = 0; t < texels; ++t) {
+        rgb[3 * t] = value.x;
+        rgb[3 * t + 1] = value.y;
+        rgb[3 * t + 2] = value.z;
+    }
+    return Environment(resolution, std::move(rgb));
+}
+
+SkySettings scaled_and_turned(SkySettings sky, double scale, double rotation_deg)
+{
+    for (Vec3d* radiance : {&sky.zenith, &sky.horizon, &sky.ground, &sky.sun_irradiance})
+        *radiance = *radiance * scale;
+    const double angle = rotation_deg * pi / 180.0;
+    const Vec3d sun = sky.sun_direction;
+    sky.sun_direction = {sun.x * std::cos(angle) - sun.y * std::sin(angle),
+                         sun.x * std::sin(angle) + sun.y * std::cos(angle), sun.z};
+    return sky;
+}
+
+PresetInput preset_input(const LoadedVolume& volume, ValueStatistics values)
+{
+    const Vec3i size = volume.grid.size();
+    PresetInput input;
+    input.modality = volume.modality;
+    input.values = std::move(values);
+    input.frames = volume.frames;
+    input.diameter = std::cbrt(std::abs(determinant(volume.grid.world_from_voxel())) * size.x * size.y * size.z);
+    return input;
+}
+
+TransferFunction transfer_function_for(const std::optional<TransferFunctionDescription>& description,
+                                       const PresetInput& input, std::vector<std::string>& notes)
+{
+    if (description && description->preset.empty())
+        return TransferFunction(description->points, description->extinction_scale);
+    if (description)
+        return TransferFunction(preset_points(description->preset, input), description->extinction_scale);
+    const PresetChoice choice = choose_preset(input);
+    notes.push_back(choice.reason);
+    return TransferFunction(preset_points(choice.name, input));
+}
+
+void note_camera(const SceneDescription& scene, const Camera& camera, std::vector<std::string>& notes)
+{
+    if (!scene.camera.position)
+        notes.push_back(fmt::format("no camera position given: framed the volume from [{:.6g}, {:.6g}, {:.6g}] towards "
+                                    "[{:.6g}, {:.6g}, {:.6g}]",
+                                    camera.position.x, camera.position.y, camera.position.z, camera.target.x,
+                                    camera.target.y, camera.target.z));
+}
+
+void warn_about(const std::string& name, const LatLongReport& report, std::vector<std::string>& warnings)
+{
+    if (report.negative_texels > 0)
+        warnings.push_back(
+            fmt::format("{}: {} texels with negative radiance were set to 0", name, report.negative_texels));
+    if (report.non_finite_texels > 0)
+        warnings.push_back(
+            fmt::format("{}: {} texels with infinite or NaN radiance were set to 0", name, report.non_finite_texels));
+}
+
+} // namespace
+
+LoadedEnvironment load_environment(const EnvironmentDescription& description, int minimum_resolution)
+{
+    const double scale = description.scale;
+    if (const auto* radiance = std::get_if<Vec3d>(&description.light))
+        return {constant_environment(*radiance * scale, std::max(8, minimum_resolution)), {}};
+    if (const auto* sky = std::get_if<SkySettings>(&description.light))
+        return {environment_from_sky(scaled_and_turned(*sky, scale, description.rotation_deg)), {}};
+    const fs::path& file = std::get<fs::path>(description.light);
+    LatLongReport report;
+    LoadedEnvironment loaded{environment_from_latlong(load_latlong(file), scale, description.rotation_deg, &report),
+                             {}};
+    warn_about(file.string(), report, loaded.warnings);
+    return loaded;
+}
+
+VolumeRequest volume_request(const VolumeDescription& description)
+{
+    VolumeRequest request;
+    request.frame = description.frame;
+    for (const fs::path& file : description.files) {
+        std::error_code ignored;
+        if (fs::exists(file, ignored) || file.string().find_first_of("*?[") == std::string::npos) {
+            request.files.push_back(file);
+            continue;
+        }
+        const std::vector<fs::path> matches = expand_files(file.string());
+        request.files.insert(request.files.end(), matches.begin(), matches.end());
+    }
+    return request;
+}
+
+std::uint64_t memory_estimate(const VolumeHeader& header, const SceneDescription& scene)
+{
+    const Vec3i cells = VisibilityGrid::cells_of(header.size, scene.visibility.cell);
+    const std::uint64_t cell_count =
+        static_cast<std::uint64_t>(cells.x) * static_cast<std::uint64_t>(cells.y) * static_cast<std::uint64_t>(cells.z);
+    const bool guided = scene.render.strategy != Strategy::uniform && scene.render.strategy != Strategy::environment;
+    const auto directions = static_cast<std::uint64_t>(scene.visibility.directions) *
+                            static_cast<std::uint64_t>(scene.visibility.directions);
+    const std::uint64_t grids =
+        guided ? cell_count * directions + JointGrid::bytes_needed(cell_count, scene.visibility.directions) : 0;
+    return header.bytes_needed + grids + Film::bytes_needed(scene.image.width, scene.image.height);
+}
+
+LoadedScene load_scene(const SceneDescription& scene)
+{
+    require(scene.volume.has_value(),
+            "volume: missing (add \"volume\": {{\"file\": ...}} to the scene, or give --volume FILE)");
+    require_files(scene);
+    const auto begin = std::chrono::steady_clock::now();
+    LoadedScene loaded;
+    const VolumeRequest request = volume_request(*scene.volume);
+    const VolumeHeader header = inspect_volume(request.files.front());
+    require_memory(memory_estimate(header, scene), request.files.front().string() + ": rendering",
+                   "take a smaller volume or image, a larger visibility.cell, or --strategy environment");
+
+    LoadedEnvironment light = load_environment(scene.environment, scene.visibility.directions);
+    loaded.warnings = std::move(light.warnings);
+    SessionInput& input = loaded.input;
+    input.environment = std::make_shared<const Environment>(std::move(light.environment));
+    input.image = scene.image;
+    input.render = scene.render;
+    input.visibility = scene.visibility;
+
+    LoadedVolume volume = load_volume(request);
+    loaded.warnings.insert(loaded.warnings.end(), volume.warnings.begin(), volume.warnings.end());
+    const PresetInput values = preset_input(volume, value_statistics(volume.grid));
+    input.transfer_function = transfer_function_for(scene.transfer_function, values, loaded.notes);
+    VoxelBox box{{0, 0, 0}, {0, 0, 0}};
+    if (!scene.camera.position || !scene.camera.target)
+        box = visible_box(volume.grid, input.transfer_function, values.values);
+    input.camera = frame_camera(scene.camera, volume.grid, box, scene.image);
+    input.camera.validate();
+    note_camera(scene, input.camera, loaded.notes);
+    input.volume = std::make_shared<const ScalarGrid>(std::move(volume.grid));
+    loaded.load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return loaded;
+}
+
+} // namespace lumisweep

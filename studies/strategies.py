@@ -1,0 +1,301 @@
+#!/usr/bin/python3
+"""How much noise each direction strategy leaves, at equal samples and at equal time.
+
+For every scene and light the five strategies are rendered at several sample counts and compared with a reference made by
+two-step sampling from another seed. Writes strategies.md, strategies.csv and one picture per scene and light. Runs are cached
+in out/strategies, so that an interrupted study goes on where it was.
+
+    studies/strategies.py                    the study of docs/results/strategies.md
+    studies/strategies.py --quick            a table in a minute or two, printed and written to out/
+"""
+import argparse
+import csv
+import hashlib
+import json
+import math
+import platform
+import subprocess
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import pictures
+
+ROOT = Path(__file__).resolve().parent.parent
+STRATEGIES = ["uniform", "environment", "visibility", "combined", "two-step"]
+BASELINE = "environment"
+REFERENCE_SEED = 900000
+
+
+class StudyError(Exception):
+    pass
+
+
+# --- running the program --------------------------------------------------------------------------------------------------
+
+class Renderer:
+    """Runs the command-line program, once per distinct command and build."""
+
+    def __init__(self, program, cache, width):
+        self.program, self.cache, self.width = Path(program), Path(cache), width
+        if not self.program.is_file():
+            raise StudyError(f"no program at {self.program}; build it (./check) or name it with --program")
+        self.build = hashlib.sha256(self.program.read_bytes()).hexdigest()[:12]
+        self.cache.mkdir(parents=True, exist_ok=True)
+
+    def call(self, arguments):
+        result = subprocess.run([str(self.program), *map(str, arguments)], capture_output=True, text=True)
+        if result.returncode != 0:
+            message = result.stderr.strip().splitlines() or ["no message"]
+            raise StudyError(f"lumisweep {arguments[0]} failed ({result.returncode}): {message[-1]}")
+        return result.stdout
+
+    def render(self, scene, light, strategy, samples, seed, build=""):
+        """Returns (image without suffix, stats). `build` is part of the name where another build must not be reused."""
+        scene_file = ROOT / "scenes" / f"{scene}.json"
+        light_file = ROOT / "data" / "environments" / f"{light}.exr"
+        key = hashlib.sha256(scene_file.read_bytes() + build.encode()).hexdigest()[:8]
+        stem = self.cache / f"{scene}-{light}-{self.width}-{strategy}-{samples}-{seed}-{key}"
+        stats = Path(f"{stem}.json")
+        if not stats.is_file():
+            # The stats appear last, under a name that is not looked for: what is found is whole.
+            partial = Path(f"{stem}.partial")
+            self.call(["render", scene_file, "--set", f"environment.file={light_file}", "--set", "image.show_environment=false",
+                       "--width", self.width, "--height", self.width, "--strategy", strategy, "--samples", samples,
+                       "--seed", seed, "--stats", partial, "-o", f"{stem}.exr", "-o", f"{stem}.png"])
+            partial.rename(stats)
+        return stem, json.loads(stats.read_text())
+
+    def compare(self, stem, reference):
+        return json.loads(self.call(["compare", f"{stem}.exr", f"{reference}.exr", "--json"]))
+
+
+# --- measuring ------------------------------------------------------------------------------------------------------------
+
+PREPARATION = ("classify", "sweep", "joint")
+
+
+def measure(renderer, scene, light, plan, reference_samples, report):
+    """Rows of measurements, and the picture stems of one run per strategy."""
+    report(f"{scene} under {light}: reference of {reference_samples} samples")
+    reference, _ = renderer.render(scene, light, "two-step", reference_samples, REFERENCE_SEED)
+    rows, shown = [], {"reference": reference}
+    for strategy in STRATEGIES:
+        for samples, repeats in plan.items():
+            report(f"{scene} under {light}: {strategy}, {samples} samples")
+            for repeat in range(repeats):
+                # Runs of one seed share their first samples, so every sample count has seeds of its own.
+                stem, stats = renderer.render(scene, light, strategy, samples, 100 * samples + repeat, renderer.build)
+                result = renderer.compare(stem, reference)
+                seconds = stats["seconds"]
+                rows.append({"scene": scene, "light": light, "strategy": strategy, "samples": samples, "repeat": repeat,
+                             "mse": result["mse"], "relmse": result["relmse"], "render_s": seconds["render"],
+                             "preparation_s": sum(seconds.get(stage, 0.0) for stage in PREPARATION),
+                             "paths": stats["paths"], "isa": stats["isa"], "threads": stats["threads"]})
+                if repeat == 0 and samples == min((16, *plan), key=lambda n: abs(n - 16)):
+                    shown[strategy] = stem
+    return rows, shown
+
+
+def mean_and_error(values):
+    """Mean and its standard error; the error is NaN for a single value."""
+    mean = sum(values) / len(values)
+    if len(values) < 2:
+        return mean, math.nan
+    variance = sum((v - mean) ** 2 for v in values) / (len(values) - 1)
+    return mean, math.sqrt(variance / len(values))
+
+
+def reference_variance(rows, reference_samples):
+    """The reference's own part of every MSE. MSE(N) = v/N + v_ref/N_ref, and for two-step v = v_ref."""
+    own = [row["mse"] / (1 / row["samples"] + 1 / reference_samples) for row in rows if row["strategy"] == "two-step"]
+    return sum(own) / len(own) / reference_samples
+
+
+def summarise(rows, reference_samples):
+    """Per strategy: MSE and its error by sample count, cost of a sample, and ratios to the baseline (above 1 is better)."""
+    noise_of_reference = reference_variance(rows, reference_samples)
+    summary = {}
+    for strategy in STRATEGIES:
+        own = [row for row in rows if row["strategy"] == strategy]
+        by_samples = defaultdict(list)
+        for row in own:
+            by_samples[row["samples"]].append(row["mse"] - noise_of_reference)
+        total_samples = sum(row["samples"] for row in own)
+        # The variance of one sample, each run weighted by its samples; runs of several counts estimate the same number.
+        variance = sum(row["samples"] * (row["mse"] - noise_of_reference) * row["samples"] for row in own) / total_samples
+        summary[strategy] = {
+            "mse": {samples: mean_and_error(values) for samples, values in by_samples.items()},
+            "variance": variance,
+            "sample_s": sum(row["render_s"] for row in own) / total_samples,
+            "preparation_s": sum(row["preparation_s"] for row in own) / len(own),
+        }
+    baseline = summary[BASELINE]
+    for entry in summary.values():
+        entry["equal_samples"] = {n: ratio(baseline["mse"][n], entry["mse"][n]) for n in entry["mse"]}
+        entry["equal_time"] = divide(baseline["variance"] * baseline["sample_s"], entry["variance"] * entry["sample_s"])
+        entry["equal_time_swept"] = {n: swept(baseline, entry, n) for n in entry["mse"]}
+    return summary
+
+
+def divide(a, b):
+    return a / b if b > 0 else math.inf
+
+
+def ratio(a, b):
+    value = divide(a[0], b[0])
+    error = value * math.hypot(divide(a[1], a[0]), divide(b[1], b[0]))
+    return value, error
+
+
+def swept(baseline, entry, samples):
+    """Ratio of MSE when the baseline is given the time that `entry` takes for its preparation and `samples` samples."""
+    time = entry["preparation_s"] + samples * entry["sample_s"] - baseline["preparation_s"]
+    baseline_samples = max(time / baseline["sample_s"], 1e-9)
+    return divide(baseline["variance"] / baseline_samples, entry["variance"] / samples)
+
+
+# --- reporting ------------------------------------------------------------------------------------------------------------
+
+def with_error(value, error, digits=3):
+    if not math.isfinite(value):
+        return "–"
+    text = f"{value:.{digits}g}"
+    return text if math.isnan(error) else f"{text} ± {error:.1g}"
+
+
+def markdown_rows(head, rows):
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in [head, ["---"] * len(head), *rows])
+
+
+def markdown_tables(summary, counts):
+    errors = [[strategy, *[with_error(*summary[strategy]["mse"][n]) for n in counts],
+               f"{1000 * summary[strategy]['sample_s']:.3g}", f"{summary[strategy]['preparation_s']:.2f}"]
+              for strategy in STRATEGIES]
+    ratios = [[strategy, *[with_error(*summary[strategy]["equal_samples"][n]) for n in counts],
+               f"{summary[strategy]['equal_time']:.3g}", *[f"{summary[strategy]['equal_time_swept'][n]:.3g}" for n in counts]]
+              for strategy in STRATEGIES]
+    return "\n\n".join([
+        markdown_rows(["strategy", *[f"MSE at {n}" for n in counts], "ms a sample", "preparation, s"], errors),
+        markdown_rows(["strategy", *[f"ratio at {n}" for n in counts], "equal time", *[f"with sweep, {n}" for n in counts]], ratios)])
+
+
+def plain_table(results, counts):
+    last = max(counts)
+    lines = [f"{'scene, light':24}{'strategy':14}{'MSE at ' + str(last):>12}{'equal samples':>16}{'equal time':>12}{'with sweep':>12}"]
+    for (scene, light), summary in results.items():
+        for strategy in STRATEGIES:
+            entry = summary[strategy]
+            place = f"{scene}, {light}" if strategy == STRATEGIES[0] else ""
+            lines.append(f"{place:24}{strategy:14}{entry['mse'][last][0]:12.3g}{entry['equal_samples'][last][0]:15.2f}x"
+                         f"{entry['equal_time']:11.2f}x{entry['equal_time_swept'][last]:11.2f}x")
+    lines.append(f"Ratios: how many times less squared error than '{BASELINE}' (importance sampling of the light alone).")
+    return "\n".join(lines)
+
+
+def processor():
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+PREFACE = """# Noise of the direction strategies
+
+Squared error against a reference of {reference} samples a pixel (two-step, another seed), mean over the pixels and channels of
+{width} × {width} images whose background is hidden, so that only the volume's shading counts. The reference's own variance,
+known from two-step's error at small counts, is subtracted. ± is the standard error over runs of different seeds.
+
+- **ratio at N**: the error of environment sampling over that of the strategy, at equal samples; above 1 is better.
+- **equal time**: the same for variance × time, rendering alone.
+- **with sweep, N**: the same when the strategy's preparation (classification, sweeps, joint grid) and N samples are paid, and
+  environment sampling gets all of that time for samples.
+
+Measured on {processor}, {threads} threads, {isa}. Regenerate with `{command}`.
+"""
+
+
+def write_report(folder, results, rows, shown, plan, options):
+    folder.mkdir(parents=True, exist_ok=True)
+    counts = sorted(plan)
+    with open(folder / "strategies.csv", "w", newline="") as stream:
+        writer = csv.DictWriter(stream, fieldnames=list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    text = [PREFACE.format(reference=options.reference_samples, width=options.width, processor=processor(),
+                           threads=rows[0]["threads"], isa=rows[0]["isa"], command=options.command)]
+    for (scene, light), summary in results.items():
+        picture = f"strategies-{scene}-{light}.png"
+        pictures.write_comparison(folder / picture, {name: Path(f"{stem}.png") for name, stem in shown[scene, light].items()},
+                                  STRATEGIES)
+        text += [f"## {scene} under {light}", "", markdown_tables(summary, counts), "",
+                 f"![{scene} under {light}]({picture})", "",
+                 "Left the reference; right the framed part magnified: uniform, environment, visibility above; combined,",
+                 "two-step, reference below.", ""]
+    (folder / "strategies.md").write_text("\n".join(text).rstrip() + "\n")
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="small images, few samples, two scenes")
+    parser.add_argument("--scenes", nargs="+", default=None, help="names in scenes/ (ct_head stent ch2)")
+    parser.add_argument("--lights", nargs="+", default=None, help="names in data/environments (courtyard studio city sunrise)")
+    parser.add_argument("--width", type=int, default=None, help="pixels along each side (256)")
+    parser.add_argument("--reference-samples", type=int, default=None, help="of the reference (8192)")
+    parser.add_argument("--program", default=ROOT / "build" / "release" / "lumisweep")
+    parser.add_argument("--output", type=Path, default=None, help="folder of the report (docs/results)")
+    parser.add_argument("--cache", type=Path, default=ROOT / "out" / "strategies", help="folder of images (out/strategies)")
+    parser.add_argument("--fresh", action="store_true", help="render references again, too")
+    options = parser.parse_args()
+    quick = options.quick
+    options.scenes = options.scenes or (["ct_head", "stent"] if quick else ["ct_head", "stent", "ch2"])
+    options.lights = options.lights or (["city"] if quick else ["courtyard", "studio", "city", "sunrise"])
+    options.width = options.width or (160 if quick else 256)
+    options.reference_samples = options.reference_samples or (1024 if quick else 8192)
+    options.output = options.output or ROOT / ("out" if quick else "docs/results")
+    # Sample count: runs of different seeds.
+    options.plan = {16: 2, 64: 1} if quick else {4: 8, 16: 4, 64: 3, 256: 2}
+    options.command = " ".join(["studies/strategies.py", *sys.argv[1:]])
+    return options
+
+
+def main():
+    options = parse_arguments()
+    for scene in options.scenes:
+        if not (ROOT / "scenes" / f"{scene}.json").is_file():
+            raise StudyError(f"no scene scenes/{scene}.json")
+    for light in options.lights:
+        if not (ROOT / "data" / "environments" / f"{light}.exr").is_file():
+            raise StudyError(f"no light data/environments/{light}.exr; run scripts/fetch_data {light}")
+    renderer = Renderer(options.program, options.cache, options.width)
+    if options.fresh:
+        for path in options.cache.glob("*-two-step-*"):
+            path.unlink()
+
+    def report(line):
+        print(line, file=sys.stderr, flush=True)
+
+    rows, results, shown = [], {}, {}
+    for scene in options.scenes:
+        for light in options.lights:
+            found, shown[scene, light] = measure(renderer, scene, light, options.plan, options.reference_samples, report)
+            rows += found
+            results[scene, light] = summarise(found, options.reference_samples)
+    write_report(options.output, results, rows, shown, options.plan, options)
+    print(plain_table(results, sorted(options.plan)))
+    print(f"Report: {options.output / 'strategies.md'}")
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except (StudyError, OSError, KeyError, json.JSONDecodeError) as error:
+        print(f"strategies: {error!r}" if isinstance(error, KeyError) else f"strategies: {error}", file=sys.stderr)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        sys.exit(130)

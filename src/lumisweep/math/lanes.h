@@ -1,8 +1,8 @@
 // The vocabulary of lane-generic code: what a stage may do with a lane type F.
 //
-// Stages are templates over F. F = float is the scalar reference and each CUDA thread; lanes_avx2.h and lanes_avx512.h add
-// Lanes<float> types of 8 and 16 lanes with the same functions. Associated types: mask_of<F>, int_of<F> (32-bit, wraps on
-// overflow). Above this header code reads like scalar code. F = double has what the oracles need of it.
+// Stages are templates over F. F = float is the scalar reference and each CUDA thread; lanes_avx2.h and lanes_avx512.h
+// add Lanes<float> types of 8 and 16 lanes with the same functions. Associated types: mask_of<F>, int_of<F> (32-bit,
+// wraps on overflow). Above this header code reads like scalar code. F = double has what the oracles need of it.
 #pragma once
 
 #include <bit>
@@ -98,6 +98,35 @@ template <int Shift>
 LUMISWEEP_HD std::int32_t shift_right(std::int32_t a)
 {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) >> Shift);
+}
+
+LUMISWEEP_HD std::int32_t as_int(float a) { return std::bit_cast<std::int32_t>(a); }
+LUMISWEEP_HD float as_float(std::int32_t a) { return std::bit_cast<float>(a); }
+
+/// log for lane types without one: a = 2^e · m with m in [√½, √2), then the polynomial of Cephes' logf (S. Moshier) in
+/// m − 1; error below 2 ulp for normal, positive numbers.
+template <class F>
+LUMISWEEP_HD F log_polynomial(const F& a)
+{
+    using I = int_of<F>;
+    // Adding the offset moves the cut between exponents to √½.
+    const I shifted = as_int(a) + I(0x3f800000 - 0x3f3504f3);
+    const F e = to_float(shift_right<23>(shifted) - I(127));
+    const F m = as_float((shifted & I(0x007fffff)) + I(0x3f3504f3)) - F(1.0F);
+    F y = F(7.0376836292e-2F);
+    y = fma(y, m, F(-1.1514610310e-1F));
+    y = fma(y, m, F(1.1676998740e-1F));
+    y = fma(y, m, F(-1.2420140846e-1F));
+    y = fma(y, m, F(1.4249322787e-1F));
+    y = fma(y, m, F(-1.6668057665e-1F));
+    y = fma(y, m, F(2.0000714765e-1F));
+    y = fma(y, m, F(-2.4999993993e-1F));
+    y = fma(y, m, F(3.3333331174e-1F));
+    const F m2 = m * m;
+    y = y * m * m2;
+    y = fma(e, F(-2.12194440e-4F), y);
+    y = fma(m2, F(-0.5F), y);
+    return fma(e, F(0.693359375F), m + y);
 }
 
 // ---- memory ---------------------------------------------------------------------------------------------------------

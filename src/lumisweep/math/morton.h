@@ -1,4 +1,5 @@
-// Morton (Z) order of octahedral texels: x in the even bits, y in the odd ones, so that the children of node m are 4m … 4m+3.
+// Morton (Z) order of octahedral texels: x in the even bits, y in the odd ones, so that the children of node m are 4m …
+// 4m+3.
 #pragma once
 
 #include "lumisweep/math/lanes.h"

@@ -1,10 +1,10 @@
 // The equal-area octahedral map: Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD".
 // (The papers cite Praun and Hoppe's map, which does not preserve area.)
 //
-// uv_oct in [0, 1]² ↔ unit direction in world space; the centre is +Z, the corners are −Z, u grows along +X and v along +Y.
-// Equal areas: a region of area A in the square covers 4π A sr, so a density per solid angle is the density per unit
-// square divided by 4π. Lines of constant z are the squares |u'| + |v'| = const and lines of constant azimuth are straight
-// lines through the centre (u' = 2u − 1), mirrored at the diagonals |u'| + |v'| = 1 for z < 0.
+// uv_oct in [0, 1]² ↔ unit direction in world space; the centre is +Z, the corners are −Z, u grows along +X and v along
+// +Y. Equal areas: a region of area A in the square covers 4π A sr, so a density per solid angle is the density per
+// unit square divided by 4π. Lines of constant z are the squares |u'| + |v'| = const and lines of constant azimuth are
+// straight lines through the centre (u' = 2u − 1), mirrored at the diagonals |u'| + |v'| = 1 for z < 0.
 #pragma once
 
 #include "lumisweep/math/lanes.h"

@@ -19,7 +19,8 @@ LUMISWEEP_HD SinCos<F> sincos_eighth(const F& x)
     const F x2 = x * x;
     const F s = fma(fma(fma(fma(F(2.7557319e-6F), x2, F(-1.9841270e-4F)), x2, F(8.3333333e-3F)), x2, F(-1.6666667e-1F)),
                     x2 * x, x);
-    const F c = fma(fma(fma(fma(F(2.4801587e-5F), x2, F(-1.3888889e-3F)), x2, F(4.1666667e-2F)), x2, F(-0.5F)), x2, F(1.0F));
+    const F c =
+        fma(fma(fma(fma(F(2.4801587e-5F), x2, F(-1.3888889e-3F)), x2, F(4.1666667e-2F)), x2, F(-0.5F)), x2, F(1.0F));
     return {s, c};
 }
 inline SinCos<double> sincos_eighth(double x) { return {std::sin(x), std::cos(x)}; }

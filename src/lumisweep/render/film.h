@@ -5,22 +5,16 @@
 
 #include "lumisweep/base/aligned.h"
 #include "lumisweep/image/image.h"
+#include "lumisweep/render/path_state.h"
 
 namespace lumisweep {
 
-/// What kernels write. Every sample of a pixel adds to that pixel only.
-/// Memory: color_sum and color_sum_squares [pixels][3] double; features [pixels][8] float:
-/// albedo r g b, normal x y z (world), depth, hits (samples that met the volume).
-struct FilmView {
-    int width = 0, height = 0;
-    double* color_sum = nullptr;
-    double* color_sum_squares = nullptr;
-    float* features = nullptr;
-};
-
+/// Sums over samples, whole passes at a time. Memory: color_sum and color_sum_squares [pixels][3] double; features [pixels][8]
+/// float: albedo r g b, normal x y z (world), depth, hits (samples that met the volume).
 class Film {
 public:
     static constexpr int feature_count = 8;
+    /// The film itself and one pass's samples.
     static std::uint64_t bytes_needed(int width, int height);
 
     Film() = default;
@@ -31,7 +25,9 @@ public:
     std::int64_t samples() const { return samples_; } ///< per pixel
     void set_samples(std::int64_t samples) { samples_ = samples; }
     void clear();
-    FilmView view();
+
+    /// Adds one sample of every pixel and sets `samples` back to zeros for the next pass.
+    void add(const SampleView& samples);
 
     /// The sums, for checkpoints: written and read back whole.
     AlignedArray<double>& color_sum() { return color_sum_; }

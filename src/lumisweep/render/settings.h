@@ -1,16 +1,13 @@
 // What a render is told: plain structs with the scene file's names and defaults.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "lumisweep/math/vec.h"
+#include "lumisweep/sampling/strategy.h"
 
 namespace lumisweep {
-
-/// How the direction towards the light is chosen (journal paper, section 10). All have the same mean.
-enum class Strategy { uniform, environment, visibility, combined, two_step };
-
-const char* name_of(Strategy strategy); ///< "two-step" and so on, as on the command line
 
 /// A thin-lens camera; lengths in world units.
 struct Camera {
@@ -23,6 +20,10 @@ struct Camera {
 
     /// Throws Error naming the entry ("camera.up") that is impossible.
     void validate() const;
+    /// The focus distance with the default filled in.
+    double focus() const;
+    /// World to camera space, rigid: x to the right, y up, looking along −z; row-major 4 × 4.
+    std::array<double, 16> camera_from_world() const;
 };
 
 struct ImageSettings {

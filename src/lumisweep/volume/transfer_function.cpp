@@ -52,7 +52,7 @@ void TransferFunction::build_tables()
 {
     const int k = static_cast<int>(points_.size());
     const int stride = k + 2;
-    table_ = AlignedArray<float>(static_cast<std::size_t>(9 * stride));
+    table_.assign(static_cast<std::size_t>(9 * stride), 0.0F);
     const auto set = [&](int field, int segment, double v) {
         table_[static_cast<std::size_t>(field * stride + segment)] = static_cast<float>(v);
     };
@@ -79,7 +79,7 @@ void TransferFunction::build_tables()
     const float* knots = table_.data();
     for (int bins = 16;; bins *= 2) {
         const float inverse_bin = last > first ? static_cast<float>(bins) / (last - first) : 0.0F;
-        AlignedArray<std::int32_t> hints(static_cast<std::size_t>(bins));
+        std::vector<std::int32_t> hints(static_cast<std::size_t>(bins));
         // A value falls into the bin that the kernel's own arithmetic says; that is monotonic in the value, so the bins of
         // the knots delimit what each bin can hold: segments from the last knot of an earlier bin to its own last knot.
         const auto bin_of = [&](float v) {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "lumisweep/base/aligned.h"
 #include "lumisweep/math/vec.h"
 #include "lumisweep/volume/transfer_function_view.h"
 
@@ -46,8 +45,8 @@ private:
 
     std::vector<TransferPoint> points_;
     double extinction_scale_ = 1.0;
-    AlignedArray<float> table_; // as in TransferFunctionView
-    AlignedArray<std::int32_t> hints_;
+    std::vector<float> table_; // as in TransferFunctionView
+    std::vector<std::int32_t> hints_;
     float inverse_bin_ = 0.0F;
     int search_steps_ = 0;
 };

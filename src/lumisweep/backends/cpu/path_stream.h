@@ -1,0 +1,220 @@
+// The CPU schedule: a stream of about a thousand paths in structure-of-arrays form; every round takes each path to its next
+// tentative collision and through it, then packs the survivors together. Camera and shadow segments share the rounds.
+//
+// Included once per instruction set with that set's lane type. No standard containers and no out-of-line helpers here: their
+// code would carry the instruction set's flags and could be chosen by the linker for everyone.
+#pragma once
+
+#include <cstdint>
+
+#include "lumisweep/backends/cpu/tile.h"
+#include "lumisweep/render/path_stages.h"
+
+namespace lumisweep {
+
+/// Paths in structure-of-arrays form, packed from the front.
+template <class F>
+struct PathQueue {
+    static constexpr int capacity = 1024;
+    static constexpr int padded = capacity + lane_width<F>;
+    static constexpr int float_fields = 12, int_fields = 6;
+    static_assert(float_fields + int_fields == PathState<F>::field_count);
+
+    alignas(64) float floats[float_fields][padded];
+    alignas(64) std::int32_t ints[int_fields][padded];
+    int size = 0;
+
+    /// Where a field of PathState is kept; fields come in the order of for_each_field.
+    struct Cursor {
+        PathQueue& queue;
+        int at;
+        int float_field = 0, int_field = 0;
+        LUMISWEEP_HD float* place(const F&) { return queue.floats[float_field++] + at; }
+        LUMISWEEP_HD std::int32_t* place(const int_of<F>&) { return queue.ints[int_field++] + at; }
+    };
+
+    LUMISWEEP_HD void load_group(int at, PathState<F>& path)
+    {
+        Cursor cursor{*this, at};
+        path.for_each_field([&](auto& field) __attribute__((always_inline)) { field = load<F>(cursor.place(field)); });
+    }
+
+    /// Packs the lanes that are on behind position `size`.
+    LUMISWEEP_HD void append(const mask_of<F>& on, PathState<F>& path)
+    {
+        Cursor cursor{*this, size};
+        path.for_each_field([&](auto& field) __attribute__((always_inline)) { compress_store(cursor.place(field), on, field); });
+        size += count(on);
+    }
+};
+
+template <class F, class Voxel>
+class PathStream {
+public:
+    LUMISWEEP_HD PathStream(const SceneView& scene, const SampleView& samples, const PassKey& pass, const Tile& tile,
+                            PassCounts& counts)
+        : scene_(scene), grid_(grid_view<Voxel>(scene)), samples_(samples), pass_(pass), tile_(tile), counts_(counts),
+          next_x_(tile.x0), next_y_(tile.y0)
+    {
+    }
+
+    LUMISWEEP_HD void run()
+    {
+        for (;;) {
+            refill();
+            if (active_.size == 0)
+                break;
+            step();
+            scatter_all();
+        }
+        counts_.paths += static_cast<std::uint64_t>(tile_.x1 - tile_.x0) * static_cast<std::uint64_t>(tile_.y1 - tile_.y0);
+    }
+
+private:
+    static constexpr int width = lane_width<F>;
+    using I = int_of<F>;
+    using M = mask_of<F>;
+
+    /// Starts pixels of the tile, row by row, while the stream has room.
+    LUMISWEEP_HD void refill()
+    {
+        while (next_y_ < tile_.y1 && active_.size + width <= PathQueue<F>::capacity) {
+            alignas(64) std::int32_t x[width], y[width];
+            int n = 0;
+            for (; n < width && next_y_ < tile_.y1; ++n) {
+                x[n] = next_x_;
+                y[n] = next_y_;
+                if (++next_x_ == tile_.x1) {
+                    next_x_ = tile_.x0;
+                    ++next_y_;
+                }
+            }
+            for (int rest = n; rest < width; ++rest) {
+                x[rest] = tile_.x0;
+                y[rest] = tile_.y0;
+            }
+            const M on = first_lanes<F>(n);
+            PathState<F> path;
+            const M meets = stage::start(scene_, pass_, load<F>(x), load<F>(y), path);
+            splat_background(on & !meets, path);
+            active_.append(on & meets, path);
+        }
+    }
+
+    /// One tentative collision for (almost) every path: a group goes on while more than a quarter of its lanes lack one.
+    LUMISWEEP_HD void step()
+    {
+        const int size = active_.size;
+        active_.size = 0;
+        colliding_.size = 0;
+        for (int at = 0; at < size; at += width) {
+            PathState<F> path;
+            active_.load_group(at, path);
+            const M on = first_lanes<F>(size - at);
+            M pending = on, candidates = M(false), left = M(false);
+            do {
+                const stage::Advanced<F> advanced = stage::advance(scene_, pending, path);
+                candidates = candidates | advanced.candidate;
+                left = left | advanced.left;
+                pending = pending & !(advanced.candidate | advanced.left);
+            } while (count(pending) * 4 > width);
+
+            M goes_on = pending;
+            if (any(candidates)) {
+                const stage::Judged<F> judged = stage::candidate(scene_, grid_, candidates, path);
+                colliding_.append(judged.scattered, path);
+                goes_on = goes_on | (candidates & !(judged.scattered | judged.ended));
+                const int shadow = count(candidates & (path.segment == I(shadow_segment)));
+                counts_.shadow_steps += static_cast<std::uint64_t>(shadow);
+                counts_.camera_steps += static_cast<std::uint64_t>(count(candidates) - shadow);
+            }
+            if (any(left)) {
+                const M camera = left & (path.segment == I(camera_segment));
+                splat_background(camera, path);
+                splat_light(left & !camera, path);
+            }
+            // Writing behind the read position: size never passes `at`.
+            active_.append(goes_on, path);
+        }
+    }
+
+    LUMISWEEP_HD void scatter_all()
+    {
+        for (int at = 0; at < colliding_.size; at += width) {
+            PathState<F> path;
+            colliding_.load_group(at, path);
+            const M on = first_lanes<F>(colliding_.size - at);
+            stage::Features<F> features;
+            const M lit = stage::scatter(scene_, grid_, on, path, features);
+            splat_features(on, path, features);
+            active_.append(lit, path);
+        }
+    }
+
+    LUMISWEEP_HD void splat_color(const M& on, const PathState<F>& path, const Vec3<F>& color)
+    {
+        alignas(64) float r[width], g[width], b[width];
+        alignas(64) std::int32_t pixel[width];
+        store(r, color.x), store(g, color.y), store(b, color.z), store(pixel, path.pixel);
+        for (std::uint32_t left = bits(on); left != 0; left &= left - 1) {
+            const int lane = __builtin_ctz(left);
+            float* out = samples_.color + static_cast<std::int64_t>(pixel[lane]) * 3;
+            out[0] = r[lane];
+            out[1] = g[lane];
+            out[2] = b[lane];
+        }
+    }
+
+    LUMISWEEP_HD void splat_light(const M& on, const PathState<F>& path)
+    {
+        if (any(on))
+            splat_color(on, path, path.weight * path.transmittance);
+    }
+
+    LUMISWEEP_HD void splat_background(const M& on, const PathState<F>& path)
+    {
+        if (scene_.background == Background::environment && any(on))
+            splat_color(on, path, stage::background_radiance(scene_, path.direction));
+    }
+
+    LUMISWEEP_HD void splat_features(const M& on, const PathState<F>& path, const stage::Features<F>& features)
+    {
+        alignas(64) float value[7][width];
+        alignas(64) std::int32_t pixel[width];
+        store(value[0], features.albedo.x), store(value[1], features.albedo.y), store(value[2], features.albedo.z);
+        store(value[3], features.normal.x), store(value[4], features.normal.y), store(value[5], features.normal.z);
+        store(value[6], features.depth);
+        store(pixel, path.pixel);
+        for (std::uint32_t left = bits(on); left != 0; left &= left - 1) {
+            const int lane = __builtin_ctz(left);
+            float* out = samples_.features + static_cast<std::int64_t>(pixel[lane]) * 8;
+            for (int i = 0; i < 7; ++i)
+                out[i] = value[i][lane];
+            out[7] = 1.0F;
+        }
+    }
+
+    const SceneView& scene_;
+    GridView<Voxel> grid_;
+    SampleView samples_;
+    PassKey pass_;
+    Tile tile_;
+    PassCounts& counts_;
+    int next_x_, next_y_;
+    PathQueue<F> active_, colliding_;
+};
+
+/// The tile renderer of a lane type, for any voxel type.
+template <class F>
+LUMISWEEP_HD void render_tile(const SceneView& scene, const SampleView& samples, const PassKey& pass, const Tile& tile,
+                              PassCounts& counts)
+{
+    switch (scene.voxel_type) {
+    case VoxelType::u8: PathStream<F, std::uint8_t>(scene, samples, pass, tile, counts).run(); break;
+    case VoxelType::u16: PathStream<F, std::uint16_t>(scene, samples, pass, tile, counts).run(); break;
+    case VoxelType::i16: PathStream<F, std::int16_t>(scene, samples, pass, tile, counts).run(); break;
+    case VoxelType::f32: PathStream<F, float>(scene, samples, pass, tile, counts).run(); break;
+    }
+}
+
+} // namespace lumisweep

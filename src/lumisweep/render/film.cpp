@@ -1,0 +1,120 @@
+#include "lumisweep/render/film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lumisweep/base/parallel.h"
+#include "lumisweep/light/environment.h"
+
+namespace lumisweep {
+
+namespace {
+
+std::size_t pixels_of(int width, int height) { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+
+/// Variance of the mean of n samples from their sum and sum of squares.
+double variance_of_mean(double sum, double sum_squares, double n)
+{
+    return std::max(sum_squares - sum * sum / n, 0.0) / (n * (n - 1.0));
+}
+
+} // namespace
+
+std::uint64_t Film::bytes_needed(int width, int height)
+{
+    constexpr std::uint64_t film = 6 * sizeof(double) + feature_count * sizeof(float);
+    constexpr std::uint64_t samples = (3 + feature_count) * sizeof(float);
+    return pixels_of(width, height) * (film + samples);
+}
+
+Film::Film(int width, int height)
+    : width_(width), height_(height), color_sum_(pixels_of(width, height) * 3),
+      color_sum_squares_(pixels_of(width, height) * 3), features_(pixels_of(width, height) * feature_count)
+{
+}
+
+void Film::clear()
+{
+    samples_ = 0;
+    std::fill(color_sum_.begin(), color_sum_.end(), 0.0);
+    std::fill(color_sum_squares_.begin(), color_sum_squares_.end(), 0.0);
+    std::fill(features_.begin(), features_.end(), 0.0F);
+}
+
+void Film::add(const SampleView& samples)
+{
+    const std::size_t row = static_cast<std::size_t>(width_);
+    parallel_for(0, height_, [&](int y) {
+        const std::size_t first = static_cast<std::size_t>(y) * row;
+        for (std::size_t i = first * 3; i < (first + row) * 3; ++i) {
+            const double c = samples.color[i];
+            color_sum_[i] += c;
+            color_sum_squares_[i] += c * c;
+            samples.color[i] = 0.0F;
+        }
+        for (std::size_t i = first * feature_count; i < (first + row) * feature_count; ++i) {
+            features_[i] += samples.features[i];
+            samples.features[i] = 0.0F;
+        }
+    });
+    ++samples_;
+}
+
+double Film::noise() const
+{
+    if (samples_ < 2)
+        return std::numeric_limits<double>::infinity();
+    const double n = static_cast<double>(samples_);
+    double variance = 0.0, mean = 0.0;
+    for (std::size_t i = 0; i < color_sum_.size(); i += 3) {
+        const double* s = color_sum_.data() + i;
+        const double* q = color_sum_squares_.data() + i;
+        // Channels of a sample are almost perfectly correlated, so standard deviations add, weighted by luminance.
+        const double deviation = luminance(std::sqrt(variance_of_mean(s[0], q[0], n)), std::sqrt(variance_of_mean(s[1], q[1], n)),
+                                           std::sqrt(variance_of_mean(s[2], q[2], n)));
+        variance += deviation * deviation;
+        mean += luminance(s[0], s[1], s[2]) / n;
+    }
+    const double pixels = static_cast<double>(color_sum_.size() / 3);
+    return mean > 0.0 ? std::sqrt(variance / pixels) / (mean / pixels) : std::numeric_limits<double>::infinity();
+}
+
+Image Film::to_image() const
+{
+    Image image;
+    image.width = width_;
+    image.height = height_;
+    const std::size_t pixels = pixels_of(width_, height_);
+    const double n = static_cast<double>(std::max<std::int64_t>(samples_, 1));
+    const auto channel = [&](const char* name, auto&& value) {
+        Channel c{name, std::vector<float>(pixels)};
+        for (std::size_t p = 0; p < pixels; ++p)
+            c.pixels[p] = static_cast<float>(value(p));
+        image.channels.push_back(std::move(c));
+    };
+    const auto color = [&](const char* name, std::size_t i) {
+        channel(name, [&](std::size_t p) { return color_sum_[3 * p + i] / n; });
+    };
+    const auto variance = [&](const char* name, std::size_t i) {
+        channel(name, [&](std::size_t p) {
+            return samples_ < 2 ? 0.0 : variance_of_mean(color_sum_[3 * p + i], color_sum_squares_[3 * p + i], n);
+        });
+    };
+    const auto feature = [&](const char* name, std::size_t i) {
+        channel(name, [&](std::size_t p) { return features_[feature_count * p + i] / n; });
+    };
+    color("R", 0), color("G", 1), color("B", 2);
+    feature("A", 7);
+    variance("Variance.R", 0), variance("Variance.G", 1), variance("Variance.B", 2);
+    feature("albedo.R", 0), feature("albedo.G", 1), feature("albedo.B", 2);
+    feature("normal.X", 3), feature("normal.Y", 4), feature("normal.Z", 5);
+    // The mean over the samples that met the volume; 0 where none did.
+    channel("depth.Z", [&](std::size_t p) {
+        const float* f = features_.data() + feature_count * p;
+        return f[7] > 0.0F ? f[6] / f[7] : 0.0F;
+    });
+    return image;
+}
+
+} // namespace lumisweep

@@ -1,0 +1,48 @@
+// The state of a path between stages, and where stages leave their results.
+#pragma once
+
+#include <cstdint>
+
+#include "lumisweep/math/lanes.h"
+#include "lumisweep/math/random.h"
+#include "lumisweep/math/vec.h"
+
+namespace lumisweep {
+
+/// Lanes of paths. A path is on its camera segment (towards the first collision) or on its shadow segment (towards the light).
+/// Rays are kept in voxel space, p_voxel(t) = origin + t · direction with t in world units from the segment's start.
+template <class F>
+struct PathState {
+    Vec3<F> origin, direction;
+    F t;
+    F optical_depth;   ///< left until the next tentative collision
+    F transmittance;   ///< shadow: ratio tracking's estimate so far. camera: unused (1)
+    Vec3<F> weight;    ///< shadow: ρ L / (4π pdf). camera: x holds the distance from the lens to the segment's start
+    int_of<F> cell;    ///< majorant cell, x + 1024 y + 1048576 z (at most 1024 cells a side)
+    int_of<F> pixel;   ///< index in the image
+    int_of<F> segment; ///< 0 camera, 1 shadow
+    int_of<F> dimension;
+    RandomKey<F> key;
+
+    /// Calls f on every field, for structure-of-arrays storage; all are 4 bytes a lane.
+    template <class Function>
+    LUMISWEEP_HD void for_each_field(Function&& f)
+    {
+        f(origin.x), f(origin.y), f(origin.z), f(direction.x), f(direction.y), f(direction.z);
+        f(t), f(optical_depth), f(transmittance), f(weight.x), f(weight.y), f(weight.z);
+        f(cell), f(pixel), f(segment), f(dimension), f(key.k0), f(key.k1);
+    }
+    static constexpr int field_count = 18;
+};
+
+inline constexpr int camera_segment = 0;
+inline constexpr int shadow_segment = 1;
+
+/// One pass's samples, one per pixel, zero where a path brought nothing.
+/// Memory: color [pixels][3] float; features [pixels][8] float, the order of Film's.
+struct SampleView {
+    float* color = nullptr;
+    float* features = nullptr;
+};
+
+} // namespace lumisweep

@@ -1,0 +1,49 @@
+// The joint grid: visibility × light per cell, with its averages: what joint-hierarchical sampling descends (journal paper,
+// section 7).
+#pragma once
+
+#include <cstddef>
+
+#include "lumisweep/base/aligned.h"
+#include "lumisweep/light/environment.h"
+#include "lumisweep/math/vec.h"
+#include "lumisweep/visibility/visibility_grid.h"
+
+namespace lumisweep {
+
+/// What the product is taken with.
+enum class JointFactor { visibility_only, visibility_times_light };
+
+/// As kernels read it. Cells as in VisibilityGrid; `levels` = log2 of the directions per side.
+/// Memory: root [cells] float: the mean over directions of J = (V + ε) · L̄ / mean L̄. nodes [cells][node_count] float: the
+/// averages of J at level l = 1 … levels, Morton order, level l from (4^l − 4)/3 on; the last level is J itself. Dividing by
+/// root gives a density per unit octahedral square.
+struct JointView {
+    const float* root = nullptr;
+    const float* nodes = nullptr;
+    int node_count = 0;
+    int levels = 0;
+    Vec3i cells{0, 0, 0};
+    Vec3f cells_per_voxel{0.0F, 0.0F, 0.0F};
+};
+
+class JointGrid {
+public:
+    JointGrid() = default;
+    /// `volume_size` in voxels. The environment must have at least as many texels a side as the grid has directions, and a
+    /// mean luminance > 0 unless the factor is visibility_only. epsilon > 0 keeps every direction possible.
+    JointGrid(const VisibilityGrid& visibility, Vec3i volume_size, const Environment& environment, JointFactor factor,
+              double epsilon);
+
+    static std::size_t bytes_needed(std::size_t cell_count, int directions_per_side);
+    JointView view() const;
+    std::size_t bytes() const { return root_.bytes() + nodes_.bytes(); }
+
+private:
+    Vec3i cells_{0, 0, 0};
+    Vec3f cells_per_voxel_{0.0F, 0.0F, 0.0F};
+    int levels_ = 0;
+    AlignedArray<float> root_, nodes_;
+};
+
+} // namespace lumisweep

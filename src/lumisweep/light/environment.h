@@ -30,6 +30,9 @@ public:
     /// The same radiance from everywhere (n = 8).
     static Environment constant(const Vec3d& radiance);
 
+    /// The same light on an n × n map, n a power of two ≥ resolution(): every texel becomes a square of equal ones.
+    Environment refined(int n) const;
+
     int resolution() const { return n_; }
     std::size_t bytes() const { return radiance_.bytes() + luminance_.bytes(); }
     EnvironmentView view() const;

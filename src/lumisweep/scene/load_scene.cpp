@@ -1,9 +1,7 @@
 #include "lumisweep/scene/load_scene.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/memory.h"
@@ -21,19 +19,6 @@ namespace lumisweep {
 namespace {
 
 namespace fs = std::filesystem;
-
-Environment constant_environment(const Vec3d& radiance, int resolution)
-{
-    const auto texels = static_cast<std::size_t>(resolution) * static_cast<std::size_t>(resolution);
-    AlignedArray<float> rgb(3 * texels);
-    const Vec3f value = to_float(radiance);
-    for (std::size_t t = 0; t < texels; ++t) {
-        rgb[3 * t] = value.x;
-        rgb[3 * t + 1] = value.y;
-        rgb[3 * t + 2] = value.z;
-    }
-    return Environment(resolution, std::move(rgb));
-}
 
 SkySettings scaled_and_turned(SkySettings sky, double scale, double rotation_deg)
 {
@@ -90,11 +75,11 @@ void warn_about(const std::string& name, const LatLongReport& report, std::vecto
 
 } // namespace
 
-LoadedEnvironment load_environment(const EnvironmentDescription& description, int minimum_resolution)
+LoadedEnvironment load_environment(const EnvironmentDescription& description)
 {
     const double scale = description.scale;
     if (const auto* radiance = std::get_if<Vec3d>(&description.light))
-        return {constant_environment(*radiance * scale, std::max(8, minimum_resolution)), {}};
+        return {Environment::constant(*radiance * scale), {}};
     if (const auto* sky = std::get_if<SkySettings>(&description.light))
         return {environment_from_sky(scaled_and_turned(*sky, scale, description.rotation_deg)), {}};
     const fs::path& file = std::get<fs::path>(description.light);
@@ -146,7 +131,7 @@ LoadedScene load_scene(const SceneDescription& scene)
     require_memory(memory_estimate(header, scene), request.files.front().string() + ": rendering",
                    "take a smaller volume or image, a larger visibility.cell, or --strategy environment");
 
-    LoadedEnvironment light = load_environment(scene.environment, scene.visibility.directions);
+    LoadedEnvironment light = load_environment(scene.environment);
     loaded.warnings = std::move(light.warnings);
     SessionInput& input = loaded.input;
     input.environment = std::make_shared<const Environment>(std::move(light.environment));

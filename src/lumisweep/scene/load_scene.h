@@ -23,8 +23,7 @@ struct LoadedEnvironment {
     std::vector<std::string> warnings;
 };
 
-/// `minimum_resolution`: texels along a side that the visibility grid's directions need.
-LoadedEnvironment load_environment(const EnvironmentDescription& description, int minimum_resolution = 8);
+LoadedEnvironment load_environment(const EnvironmentDescription& description);
 
 /// Files of the description with globs expanded, as load_volume takes them. Throws Error when nothing matches.
 VolumeRequest volume_request(const VolumeDescription& description);

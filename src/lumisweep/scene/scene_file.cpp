@@ -64,13 +64,18 @@ SceneDescription read_scene_file(const fs::path& file, const std::vector<SceneOv
     return parse_scene(read_text_file(file), file.string(), fs::absolute(file).parent_path(), overrides);
 }
 
-std::string read_transfer_function_file(const fs::path& file)
+std::string read_scene_text(const fs::path& file) { return read_text_file(file); }
+
+TransferFunctionDescription read_transfer_function_file(const fs::path& file)
 {
     const ordered_json json = parse_json(read_text_file(file), file.string());
-    return json_of(read_transfer_function(json, JsonPlace{file.string(), ""})).dump();
+    return read_transfer_function(json, JsonPlace{file.string(), ""});
 }
 
-std::string scene_to_json(const SceneDescription& scene) { return json_of(scene).dump(2); }
+std::string scene_to_json(const SceneDescription& scene)
+{
+    return json_of(scene).dump(2, ' ', false, ordered_json::error_handler_t::replace);
+}
 
 void require_files(const SceneDescription& scene)
 {

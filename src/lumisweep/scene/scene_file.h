@@ -30,8 +30,11 @@ SceneDescription parse_scene(std::string_view text, const std::string& name,
 /// Reads, overrides, parses and validates a scene file; paths are relative to it.
 SceneDescription read_scene_file(const std::filesystem::path& file, const std::vector<SceneOverride>& overrides = {});
 
-/// A file that holds the JSON of the section "transfer_function" alone; returns its text, checked, for an override.
-std::string read_transfer_function_file(const std::filesystem::path& file);
+/// The file's text as it is. Throws Error when it cannot be read or is larger than a scene can be.
+std::string read_scene_text(const std::filesystem::path& file);
+
+/// A file that holds the JSON of the section "transfer_function" alone.
+TransferFunctionDescription read_transfer_function_file(const std::filesystem::path& file);
 
 /// Canonical JSON text with every default written out; parse_scene of it gives the same description.
 std::string scene_to_json(const SceneDescription& scene);

@@ -42,13 +42,13 @@ struct CellXYZ {
 template <class F>
 LUMISWEEP_HD int_of<F> pack_cell(const CellXYZ<F>& c)
 {
-    return c.x | shift_left<10>(c.y) | shift_left<20>(c.z);
+    return c.x | shift_left<11>(c.y) | shift_left<22>(c.z);
 }
 template <class F>
 LUMISWEEP_HD CellXYZ<F> unpack_cell(const int_of<F>& cell)
 {
     using I = int_of<F>;
-    return {cell & I(1023), shift_right<10>(cell) & I(1023), shift_right<20>(cell)};
+    return {cell & I(2047), shift_right<11>(cell) & I(2047), shift_right<22>(cell)};
 }
 
 /// Directions without exact zeros, so that reciprocals stay finite.

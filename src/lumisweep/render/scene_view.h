@@ -32,7 +32,7 @@ struct Linear3f {
     }
 };
 
-enum class Background { environment, black };
+enum class BackgroundLight { shown, hidden };
 
 struct SceneView {
     VoxelType voxel_type = VoxelType::u8;
@@ -43,7 +43,7 @@ struct SceneView {
     MajorantView majorants;
     DirectionSamplingView directions;
     CameraView camera;
-    Background background = Background::environment;
+    BackgroundLight background = BackgroundLight::shown;
     std::uint64_t seed = 0;
 };
 

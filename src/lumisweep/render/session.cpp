@@ -114,7 +114,7 @@ struct Session::State {
         view.directions.environment = light->view();
         view.directions.joint = joint.view();
         view.camera = camera_view(input.camera, input.image, volume);
-        view.background = input.image.show_environment ? Background::environment : Background::black;
+        view.background = input.image.show_environment ? BackgroundLight::shown : BackgroundLight::hidden;
         view.seed = input.render.seed;
         return view;
     }

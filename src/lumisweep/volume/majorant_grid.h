@@ -1,4 +1,4 @@
-// Bounds of the data per cell of 8³ voxels, built once a volume, and majorants of extinction, built once a transfer function.
+// Bounds of the data per cell of 4³ voxels, built once a volume, and majorants of extinction, built once a transfer function.
 #pragma once
 
 #include "lumisweep/base/aligned.h"
@@ -9,8 +9,9 @@
 
 namespace lumisweep {
 
-/// Voxels per majorant cell along each axis.
-inline constexpr int majorant_cell = 8;
+/// Voxels per majorant cell along each axis. On the CT head 4 gives 1.6 times the paths of 8 a second: half the tentative
+/// collisions at the surface of dense bone.
+inline constexpr int majorant_cell = 4;
 
 /// The smallest and largest finite value (data units) that trilinear interpolation can take within each cell: over the
 /// cell's voxels and one more on every side. Low > high where nothing is finite.

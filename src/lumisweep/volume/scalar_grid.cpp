@@ -10,16 +10,17 @@ namespace lumisweep {
 
 namespace {
 
-constexpr int max_side = 8192;
+// Path states pack a majorant cell of 4 voxels a side into 11, 11 and 10 bits.
+constexpr int max_side[3] = {8192, 8192, 4096};
 constexpr std::uint64_t max_voxels = 0x7fffffff; // voxel indices are int in gathers
 
 /// Checks before any storage is taken.
 std::size_t checked_bytes(VoxelType type, const Vec3i& size)
 {
     for (int axis = 0; axis < 3; ++axis)
-        require(component(size, axis) >= 1 && component(size, axis) <= max_side,
-                "volume: {} x {} x {} voxels, but each side must be 1 to {} (crop or downsample the volume)", size.x,
-                size.y, size.z, max_side);
+        require(component(size, axis) >= 1 && component(size, axis) <= max_side[axis],
+                "volume: {} x {} x {} voxels, but side {} must be 1 to {} (crop or downsample the volume)", size.x,
+                size.y, size.z, "xyz"[axis], max_side[axis]);
     const std::uint64_t count = std::uint64_t(size.x) * std::uint64_t(size.y) * std::uint64_t(size.z);
     require(count <= max_voxels, "volume: {} x {} x {} voxels are more than 2^31 - 1 (crop or downsample the volume)",
             size.x, size.y, size.z);

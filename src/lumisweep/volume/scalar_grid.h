@@ -25,7 +25,7 @@ public:
     ScalarGrid() = default;
 
     /// Takes zeroed storage for size.x · size.y · size.z voxels. Throws Error when a side is < 1, when there are more than
-    /// 2^31 − 1 voxels or more than 8192 along a side, or when world_from_voxel is singular or not finite.
+    /// 2^31 − 1 voxels or more than 8192 along x or y or 4096 along z, or when world_from_voxel is singular or not finite.
     ScalarGrid(VoxelType type, Vec3i size, const Affine3d& world_from_voxel, double slope = 1.0, double intercept = 0.0);
 
     VoxelType type() const { return type_; }

@@ -173,7 +173,7 @@ private:
 
     LUMISWEEP_HD void splat_background(const M& on, const PathState<F>& path)
     {
-        if (scene_.background == Background::environment && any(on))
+        if (scene_.background == BackgroundLight::shown && any(on))
             splat_color(on, path, stage::background_radiance(scene_, path.direction));
     }
 

@@ -253,7 +253,7 @@ def parse_arguments():
     options = parser.parse_args()
     quick = options.quick
     options.scenes = options.scenes or (["ct_head", "stent"] if quick else ["ct_head", "stent", "ch2"])
-    options.lights = options.lights or (["city"] if quick else ["courtyard", "studio", "city", "sunrise"])
+    options.lights = options.lights or (["sunrise"] if quick else ["courtyard", "studio", "city", "sunrise"])
     options.width = options.width or (160 if quick else 256)
     options.reference_samples = options.reference_samples or (1024 if quick else 8192)
     options.output = options.output or ROOT / ("out" if quick else "docs/results")

@@ -251,6 +251,22 @@ TEST(Exr, HostileFilesFailWithOneLine)
     try_damaged_copies(sound, [](const Bytes& bytes) { read_exr(bytes, "memory"); });
 }
 
+TEST(Exr, DoesNotTakeTheMemoryThatAnAttributeClaims)
+{
+    const ScratchFolder folder;
+    Image image = layered(8, 4);
+    image.text["note"] = "x";
+    write_exr(folder / "sound.exr", image);
+    Bytes bytes = read_all(folder / "sound.exr");
+    const Bytes key = bytes_of(std::string("note\0string\0", 12));
+    const auto at = std::search(bytes.begin(), bytes.end(), key.begin(), key.end());
+    ASSERT_NE(at, bytes.end());
+    *(at + 12 + 3) = std::byte{0x7f}; // little-endian: 2 GB
+    expect_one_line_error("attribute 'note' claims", [&] { read_exr(bytes, "memory"); });
+    *(at + 12 + 3) = std::byte{0xff};
+    expect_one_line_error("attribute 'note' claims", [&] { read_exr(bytes, "memory"); });
+}
+
 TEST(Exr, ReadsPhotographedSkies)
 {
     const std::filesystem::path environments = std::filesystem::path(LUMISWEEP_FETCHED_DATA) / "environments";

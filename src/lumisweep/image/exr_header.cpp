@@ -89,6 +89,37 @@ void check_header(const Imf::Header& header, bool is_first, std::uint64_t file_b
                    "use a smaller image");
 }
 
+/// A name ended by a zero byte; empty at the end of a header.
+std::string read_name(Imf::IStream& stream, const std::string& name)
+{
+    std::string text;
+    for (char c = 1; text.size() < 256;) {
+        Imf::Xdr::read<Imf::StreamIO>(stream, c);
+        if (c == '\0')
+            return text;
+        text.push_back(c);
+    }
+    fail("{}: a name in its header does not end: not a sound OpenEXR file (get it again)", name);
+}
+
+/// The library takes the memory that an attribute claims before it reads it: two gigabytes from a file of a hundred
+/// bytes. Leaves the stream where it was.
+void check_attribute_sizes(Imf::IStream& stream, std::uint64_t file_bytes, const std::string& name)
+{
+    const std::uint64_t begin = stream.tellg();
+    for (std::string key = read_name(stream, name); !key.empty(); key = read_name(stream, name)) {
+        read_name(stream, name); // its type
+        int size = 0;
+        Imf::Xdr::read<Imf::StreamIO>(stream, size);
+        const std::uint64_t position = stream.tellg();
+        require(size >= 0 && position <= file_bytes && static_cast<std::uint64_t>(size) <= file_bytes - position,
+                "{}: attribute '{}' claims {} bytes: the file is truncated or broken (get it again)", name,
+                one_line(key.c_str()), size);
+        stream.seekg(position + static_cast<std::uint64_t>(size));
+    }
+    stream.seekg(begin);
+}
+
 } // namespace
 
 void check_headers(Imf::IStream& stream, std::uint64_t file_bytes, const std::string& name)
@@ -102,6 +133,7 @@ void check_headers(Imf::IStream& stream, std::uint64_t file_bytes, const std::st
             "{}: OpenEXR version {} with flags {:#x} is unknown (save it again as version 2)", name,
             Imf::getVersion(version), Imf::getFlags(version));
     for (int part = 0; part < max_parts; ++part) {
+        check_attribute_sizes(stream, file_bytes, name);
         Imf::Header header;
         header.readFrom(stream, version);
         if (header.readsNothing()) {

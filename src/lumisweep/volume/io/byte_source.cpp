@@ -138,6 +138,14 @@ void ByteSource::skip(std::uint64_t count)
     }
 }
 
+void ByteSource::check_end()
+{
+    if (inflater_ && begin_ == end_) {
+        begin_ = end_ = 0;
+        inflate_more();
+    }
+}
+
 void require_plausible_size(const std::filesystem::path& path, std::uint64_t offset, Compression compression,
                             std::uint64_t bytes)
 {

@@ -26,6 +26,8 @@ public:
     /// The next bytes; throws Error when the data end before `bytes` is full, or are damaged.
     void read(std::span<std::byte> bytes);
     void skip(std::uint64_t count);
+    /// To be called after the last byte that is wanted: lets zlib compare the checksum that follows it, if one does.
+    void check_end();
 
 private:
     struct Inflater;

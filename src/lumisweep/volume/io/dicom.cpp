@@ -1,11 +1,11 @@
-// DICOM: a directory with a series, or one file. GDCM reads headers and decodes pixels.
+// DICOM: a directory with a series, or one file. DCMTK reads headers and decodes pixels.
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <type_traits>
 
-#include <gdcmImageReader.h>
-
 #include "lumisweep/base/error.h"
+#include "lumisweep/volume/io/dicom_file.h"
 #include "lumisweep/volume/io/dicom_slices.h"
 #include "lumisweep/volume/io/formats.h"
 #include "lumisweep/volume/io/geometry.h"
@@ -114,7 +114,7 @@ private:
         const std::string where = s.file.string();
         if (decoded_file_ != s.file) {
             decoded_file_.clear();
-            decode_file(s.file);
+            decoded_ = decode_dicom_pixels(s.file);
             decoded_file_ = s.file;
         }
         const std::size_t bytes = pixels_ * size_of(s.type);
@@ -129,26 +129,6 @@ private:
             to_values<decltype(tag)>(first, s.slope, s.intercept, {reinterpret_cast<float*>(values.data()), pixels_});
         });
         return values;
-    }
-
-    void decode_file(const std::filesystem::path& file)
-    {
-        const std::string where = file.string();
-        bool ok = false;
-        try {
-            gdcm::ImageReader reader;
-            reader.SetFileName(file.c_str());
-            if (reader.Read()) {
-                decoded_.resize(reader.GetImage().GetBufferLength());
-                ok = !decoded_.empty() && reader.GetImage().GetBuffer(reinterpret_cast<char*>(decoded_.data()));
-            }
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (const std::exception&) {
-            ok = false; // GDCM's way to say: damaged
-        }
-        require(ok, "{}: the pixels cannot be decoded (the file is damaged or truncated; copy or export it again)",
-                where);
     }
 
     SliceStack stack_;
@@ -197,7 +177,7 @@ OpenedVolume open_dicom(const std::filesystem::path& path)
     std::uint64_t frames_in_file = 1;
     for (const DicomSlice& s : stack.slices)
         frames_in_file = std::max(frames_in_file, s.frame + 1);
-    // GDCM holds the file and its decoded copy; then two cached slices and the plane.
+    // DCMTK holds the file and its decoded copy; then two cached slices and the plane.
     opened.working_bytes = pixels * (2 * frames_in_file * size_of(first.type) + 3 * size_of(opened.type));
     opened.voxels = [stack, pixels, type = opened.type, raw](int) -> std::unique_ptr<VoxelSource> {
         return std::make_unique<StackVoxels>(stack, pixels, type, raw);

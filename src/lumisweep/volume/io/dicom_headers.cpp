@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <cstdlib>
 #include <optional>
-#include <set>
-#include <tuple>
 
-#include <gdcmAttribute.h>
-#include <gdcmImageHelper.h>
-#include <gdcmReader.h>
-#include <gdcmSequenceOfItems.h>
-#include <gdcmTrace.h>
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dctk.h>
 
 #include "lumisweep/base/error.h"
+#include "lumisweep/volume/io/dicom_file.h"
 
 namespace lumisweep {
 
@@ -21,146 +17,169 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const gdcm::Tag tag_modality(0x0008, 0x0060), tag_series(0x0020, 0x000e), tag_instance(0x0020, 0x0013),
-    tag_position(0x0020, 0x0032), tag_thickness(0x0018, 0x0050), tag_between(0x0018, 0x0088), tag_rows(0x0028, 0x0010),
-    tag_samples(0x0028, 0x0002), tag_pixels(0x7fe0, 0x0010);
-
-std::string text_of(const gdcm::DataSet& data, const gdcm::Tag& tag)
+std::string text_of(DcmItem& data, const DcmTagKey& tag)
 {
-    if (!data.FindDataElement(tag))
+    OFString value;
+    if (data.findAndGetOFString(tag, value).bad())
         return {};
-    const gdcm::ByteValue* value = data.GetDataElement(tag).GetByteValue();
-    if (!value || value->GetLength() > 1024)
-        return {};
-    std::string text(value->GetPointer(), value->GetLength());
-    text.erase(std::min(text.find('\0'), text.size()));
-    while (!text.empty() && text.back() == ' ')
-        text.pop_back();
+    std::string text(value.c_str(), std::min<std::size_t>(value.length(), 128));
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7e)
             c = '?';
     return text;
 }
 
-/// Backslash-separated decimal strings; nothing unless there are exactly `count` finite ones.
-std::optional<std::vector<double>> numbers_of(const gdcm::DataSet& data, const gdcm::Tag& tag, std::size_t count)
+/// The element's decimal or integer strings as numbers; nothing unless there are exactly `count` finite ones.
+std::optional<std::vector<double>> numbers_of(DcmItem& data, const DcmTagKey& tag, unsigned long count)
 {
-    const std::string text = text_of(data, tag);
-    std::vector<double> out;
-    for (const char* at = text.c_str();;) {
-        char* end = nullptr;
-        out.push_back(std::strtod(at, &end));
-        if (end == at || !std::isfinite(out.back()))
-            return std::nullopt;
-        while (*end == ' ')
-            ++end;
-        if (*end != '\\')
-            break;
-        at = end + 1;
-    }
-    if (out.size() != count)
+    DcmElement* element = nullptr;
+    if (data.findAndGetElement(tag, element).bad() || !element || element->getVM() != count)
         return std::nullopt;
+    std::vector<double> out(count);
+    for (unsigned long i = 0; i < count; ++i) {
+        OFString text;
+        if (element->getOFString(text, i).bad())
+            return std::nullopt;
+        char* end = nullptr;
+        out[i] = std::strtod(text.c_str(), &end);
+        if (end == text.c_str() || !std::isfinite(out[i]))
+            return std::nullopt;
+    }
     return out;
 }
 
-StoredType stored_type(const gdcm::PixelFormat& format, const std::string& where)
+std::uint64_t count_of(DcmItem& data, const DcmTagKey& tag, std::uint64_t otherwise)
 {
-    switch (format.GetScalarType()) {
-    case gdcm::PixelFormat::UINT8: return StoredType::u8;
-    case gdcm::PixelFormat::INT8: return StoredType::i8;
-    case gdcm::PixelFormat::UINT16: return StoredType::u16;
-    case gdcm::PixelFormat::INT16: return StoredType::i16;
-    case gdcm::PixelFormat::UINT32: return StoredType::u32;
-    case gdcm::PixelFormat::INT32: return StoredType::i32;
-    case gdcm::PixelFormat::FLOAT32: return StoredType::f32;
-    case gdcm::PixelFormat::FLOAT64: return StoredType::f64;
-    default:
-        fail("{}: pixels of {} bits; only 8, 16 and 32 can be read (export the series again)", where,
-             format.GetBitsAllocated());
+    Uint16 value = 0;
+    return data.findAndGetUint16(tag, value).good() ? value : otherwise;
+}
+
+StoredType stored_type(DcmItem& data, const std::string& where)
+{
+    const bool is_signed = count_of(data, DCM_PixelRepresentation, 0) != 0;
+    const auto bits = count_of(data, DCM_BitsAllocated, 0), stored = count_of(data, DCM_BitsStored, bits);
+    require(stored <= bits, "{}: {} bits stored in {} (export the series again)", where, stored, bits);
+    switch (bits) {
+    case 8: return is_signed ? StoredType::i8 : StoredType::u8;
+    case 16: return is_signed ? StoredType::i16 : StoredType::u16;
+    case 32: return is_signed ? StoredType::i32 : StoredType::u32;
+    default: fail("{}: pixels of {} bits; only 8, 16 and 32 can be read (export the series again)", where, bits);
     }
 }
 
-/// The position of frame `i` of an enhanced multi-frame file, from the per-frame functional groups.
-std::optional<std::vector<double>> frame_position(const gdcm::DataSet& data, std::size_t i)
+/// An attribute of one frame: in enhanced multi-frame files inside a functional group, the frame's own or the one
+/// shared by all; in classic files in the data set itself.
+class FrameAttributes {
+public:
+    FrameAttributes(DcmItem& data, unsigned long frame) : data_(data)
+    {
+        data.findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, own_, long(frame));
+        data.findAndGetSequenceItem(DCM_SharedFunctionalGroupsSequence, shared_, 0);
+    }
+
+    std::optional<std::vector<double>> numbers(const DcmTagKey& group, const DcmTagKey& tag, unsigned long count) const
+    {
+        for (DcmItem* groups : {own_, shared_}) {
+            DcmItem* macro = nullptr;
+            if (groups && groups->findAndGetSequenceItem(group, macro, 0).good() && macro)
+                if (auto found = numbers_of(*macro, tag, count))
+                    return found;
+        }
+        return numbers_of(data_, tag, count);
+    }
+
+private:
+    DcmItem& data_;
+    DcmItem* own_ = nullptr;
+    DcmItem* shared_ = nullptr;
+};
+
+void read_scale(const FrameAttributes& attributes, DicomSlice& slice, const std::string& where)
 {
-    const auto item_of = [](const gdcm::DataSet& parent, const gdcm::Tag& tag, std::size_t n) -> const gdcm::DataSet* {
-        if (!parent.FindDataElement(tag))
-            return nullptr;
-        const auto items = parent.GetDataElement(tag).GetValueAsSQ();
-        return items && n < items->GetNumberOfItems() ? &items->GetItem(n + 1).GetNestedDataSet() : nullptr;
-    };
-    // The nested sets stay alive: their sequences are held by `data`.
-    const gdcm::DataSet* group = item_of(data, gdcm::Tag(0x5200, 0x9230), i);
-    const gdcm::DataSet* plane = group ? item_of(*group, gdcm::Tag(0x0020, 0x9113), 0) : nullptr;
-    return plane ? numbers_of(*plane, tag_position, 3) : std::nullopt;
+    if (const auto slope = attributes.numbers(DCM_PixelValueTransformationSequence, DCM_RescaleSlope, 1))
+        slice.slope = (*slope)[0];
+    if (const auto intercept = attributes.numbers(DCM_PixelValueTransformationSequence, DCM_RescaleIntercept, 1))
+        slice.intercept = (*intercept)[0];
+    require(slice.slope != 0.0, "{}: rescale slope 0 (export the series again)", where);
 }
 
-/// One file as a series of its own.
-std::optional<DicomSeries> read_header(const fs::path& path)
+void read_plane(const FrameAttributes& attributes, DcmItem& data, DicomSeries& series, const std::string& where)
 {
-    gdcm::Reader reader;
-    reader.SetFileName(path.c_str());
-    if (!reader.CanRead() || !reader.ReadUpToTag(tag_pixels))
-        return std::nullopt;
-    const gdcm::File& file = reader.GetFile();
-    const gdcm::DataSet& data = file.GetDataSet();
-    if (!data.FindDataElement(tag_rows))
-        return std::nullopt; // a report, a directory file, …
+    // Written as the distance of rows, then of columns.
+    auto spacing = attributes.numbers(DCM_PixelMeasuresSequence, DCM_PixelSpacing, 2);
+    if (!spacing)
+        spacing = numbers_of(data, DCM_ImagerPixelSpacing, 2);
+    if (spacing) {
+        series.row_spacing = (*spacing)[0];
+        series.column_spacing = (*spacing)[1];
+    } else {
+        series.warnings.push_back(fmt::format("{}: no usable pixel spacing, 1 mm is assumed", where));
+    }
+    require(series.row_spacing > 0.0 && series.column_spacing > 0.0,
+            "{}: pixel spacing {} x {} mm (export the series again)", where, series.row_spacing, series.column_spacing);
+    if (const auto d = attributes.numbers(DCM_PlaneOrientationSequence, DCM_ImageOrientationPatient, 6)) {
+        series.row_direction = {(*d)[0], (*d)[1], (*d)[2]};
+        series.column_direction = {(*d)[3], (*d)[4], (*d)[5]};
+    }
+    if (const auto between = attributes.numbers(DCM_PixelMeasuresSequence, DCM_SpacingBetweenSlices, 1))
+        series.thickness = std::abs((*between)[0]);
+    else if (const auto thickness = attributes.numbers(DCM_PixelMeasuresSequence, DCM_SliceThickness, 1))
+        series.thickness = std::abs((*thickness)[0]);
+}
 
+/// Each frame of a file as a series of its own; empty for what is no DICOM image.
+std::vector<DicomSeries> read_header(const fs::path& path)
+{
     const std::string where = path.string();
-    DicomSeries series;
-    series.uid = text_of(data, tag_series);
-    series.modality = text_of(data, tag_modality);
-    const std::vector<unsigned> dims = gdcm::ImageHelper::GetDimensionsValue(file);
-    require(dims.size() >= 2 && dims[0] > 0 && dims[1] > 0, "{}: no rows or columns (export the series again)", where);
-    series.columns = dims[0];
-    series.rows = dims[1];
-    const gdcm::PixelFormat format = gdcm::ImageHelper::GetPixelFormatValue(file);
-    require(format.GetSamplesPerPixel() == 1,
-            "{}: {} samples per pixel; only scalar volumes can be shown (use a monochrome series)", where,
-            format.GetSamplesPerPixel());
+    DcmFileFormat format;
+    if (format
+            .loadFileUntilTag(where.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength, ERM_autoDetect,
+                              DCM_PixelData)
+            .bad())
+        return {};
+    DcmItem& data = *format.getDataset();
+    if (!data.tagExists(DCM_Rows) || !data.tagExists(DCM_Columns))
+        return {}; // a report, a directory file, any other file
 
+    DicomSeries common;
+    common.uid = text_of(data, DCM_SeriesInstanceUID);
+    common.modality = text_of(data, DCM_Modality);
+    common.columns = count_of(data, DCM_Columns, 0);
+    common.rows = count_of(data, DCM_Rows, 0);
+    require(common.columns > 0 && common.rows > 0, "{}: no rows or columns (export the series again)", where);
+    const std::uint64_t samples = count_of(data, DCM_SamplesPerPixel, 1);
+    require(samples == 1, "{}: {} samples per pixel; only scalar volumes can be shown (use a monochrome series)", where,
+            samples);
     DicomSlice slice;
     slice.file = path;
-    slice.type = stored_type(format, where);
-    if (const auto instance = numbers_of(data, tag_instance, 1))
+    slice.type = stored_type(data, where);
+    if (const auto instance = numbers_of(data, DCM_InstanceNumber, 1))
         slice.instance = int(std::clamp((*instance)[0], -2e9, 2e9));
-    const std::vector<double> scale = gdcm::ImageHelper::GetRescaleInterceptSlopeValue(file);
-    slice.intercept = scale.at(0);
-    slice.slope = scale.at(1);
-    require(std::isfinite(slice.slope) && slice.slope != 0.0 && std::isfinite(slice.intercept),
-            "{}: rescale slope {} and intercept {} must be finite and the slope not 0 (export the series again)", where,
-            slice.slope, slice.intercept);
 
-    const std::vector<double> spacing = gdcm::ImageHelper::GetSpacingValue(file);
-    series.column_spacing = spacing.at(0);
-    series.row_spacing = spacing.at(1);
-    const std::vector<double> direction = gdcm::ImageHelper::GetDirectionCosinesValue(file);
-    series.row_direction = {direction.at(0), direction.at(1), direction.at(2)};
-    series.column_direction = {direction.at(3), direction.at(4), direction.at(5)};
-    if (const auto between = numbers_of(data, tag_between, 1))
-        series.thickness = std::abs((*between)[0]);
-    else if (const auto thickness = numbers_of(data, tag_thickness, 1))
-        series.thickness = std::abs((*thickness)[0]);
-    if (series.thickness == 0.0 && spacing.size() > 2)
-        series.thickness = std::abs(spacing[2]);
-
-    const auto position = numbers_of(data, tag_position, 3);
-    const std::size_t frames = dims.size() > 2 ? std::max(1U, dims[2]) : 1;
-    require(frames <= 65536, "{}: {} frames in one file (export the series again)", where, frames);
-    for (std::size_t i = 0; i < frames; ++i) {
-        DicomSlice frame = slice;
-        frame.frame = i;
-        if (frames > 1)
-            frame.instance = int(i);
-        const auto own = frames > 1 ? frame_position(data, i) : std::nullopt;
-        if (const auto& p = own ? own : frames == 1 ? position : std::nullopt) {
-            frame.position = {(*p)[0], (*p)[1], (*p)[2]};
-            frame.has_position = true;
-        }
-        series.slices.push_back(frame);
+    double frames = 1.0;
+    if (const auto number = numbers_of(data, DCM_NumberOfFrames, 1))
+        frames = (*number)[0];
+    require(frames >= 1.0 && frames <= 65536.0,
+            "{}: {} frames in one file; there must be 1 to 65536 (export the series again)", where, frames);
+    std::vector<DicomSeries> out;
+    for (unsigned long i = 0; i < static_cast<unsigned long>(frames); ++i) {
+        const FrameAttributes attributes(data, i);
+        DicomSeries one = common;
+        read_plane(attributes, data, one, where);
+        slice.frame = i;
+        if (frames > 1.0)
+            slice.instance = int(i);
+        slice.slope = 1.0;
+        slice.intercept = 0.0;
+        read_scale(attributes, slice, where);
+        const auto position = attributes.numbers(DCM_PlanePositionSequence, DCM_ImagePositionPatient, 3);
+        slice.has_position = position.has_value();
+        if (position)
+            slice.position = {(*position)[0], (*position)[1], (*position)[2]};
+        one.slices = {slice};
+        out.push_back(std::move(one));
     }
-    return series;
+    return out;
 }
 
 bool parallel(const Vec3d& a, const Vec3d& b) { return length(a - b) < 1e-3; }
@@ -171,15 +190,6 @@ bool same_geometry(const DicomSeries& a, const DicomSeries& b)
            parallel(a.column_direction, b.column_direction) &&
            std::abs(a.column_spacing - b.column_spacing) <= 1e-4 * std::abs(a.column_spacing) &&
            std::abs(a.row_spacing - b.row_spacing) <= 1e-4 * std::abs(a.row_spacing);
-}
-
-void silence_gdcm()
-{
-    gdcm::Trace::DebugOff();
-    gdcm::Trace::WarningOff();
-    gdcm::Trace::ErrorOff();
-    // Apply rescale slope and intercept wherever they are, also in classes of images for which the standard has none.
-    gdcm::ImageHelper::SetForceRescaleInterceptSlope(true);
 }
 
 std::vector<fs::path> files_of(const fs::path& path)
@@ -209,34 +219,29 @@ std::string describe(const DicomSeries& s)
 
 DicomSeries find_dicom_series(const fs::path& path)
 {
-    silence_gdcm();
+    prepare_dcmtk();
     const std::string where = path.string();
     std::vector<DicomSeries> groups;
     std::size_t ignored = 0;
-    std::string refused, first_refusal;
+    std::string first_refusal;
     std::size_t refusals = 0;
     for (const fs::path& file : files_of(path)) {
-        std::optional<DicomSeries> one;
+        std::vector<DicomSeries> frames;
         try {
-            one = read_header(file);
+            frames = read_header(file);
         } catch (const Error& error) {
             first_refusal = refusals++ == 0 ? error.what() : first_refusal;
             continue;
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (const std::exception&) {
-            one = std::nullopt; // GDCM's way to say: damaged
         }
-        if (!one) {
-            ++ignored;
-            continue;
+        ignored += frames.empty() ? 1 : 0;
+        for (DicomSeries& frame : frames) {
+            const auto group =
+                std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return same_geometry(g, frame); });
+            if (group == groups.end())
+                groups.push_back(std::move(frame));
+            else
+                group->slices.push_back(frame.slices.front());
         }
-        const auto group =
-            std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return same_geometry(g, *one); });
-        if (group == groups.end())
-            groups.push_back(std::move(*one));
-        else
-            group->slices.insert(group->slices.end(), one->slices.begin(), one->slices.end());
     }
     if (groups.empty() && refusals > 0)
         throw Error(first_refusal);

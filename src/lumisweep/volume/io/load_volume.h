@@ -1,8 +1,8 @@
 // Volume files: NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI-1 (.nii, .nii.gz), DICOM (a directory or a file).
 //
-// The libraries below ITK's ImageIO classes read the headers and decode DICOM (Teem's NrrdIO, niftiio, GDCM, all from
-// the ITK package). ImageIO itself is passed over because it replaces NaN in NIfTI by zeros, turns scaled integers into
-// floats, refuses sheared grids, and reads every frame of a 4-D file where one is wanted.
+// The libraries that come with ITK read the headers and decode DICOM: Teem's NrrdIO, niftiio, DCMTK. ImageIO itself is
+// passed over because it replaces NaN in NIfTI by zeros, turns scaled integers into floats, refuses sheared grids, and
+// reads every frame of a 4-D file where one is wanted.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,10 @@
 // NIfTI-1 (.nii, .nii.gz). niftiio reads the header; the voxels are read here, because niftiio turns NaN into zeros.
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <memory>
+#include <span>
 
 #include <nifti1_io.h>
 
@@ -19,24 +22,42 @@ struct NiftiDelete {
     void operator()(nifti_image* image) const { nifti_image_free(image); }
 };
 
-/// The first four bytes, decompressed: the header's length tells NIfTI-1 (348) from NIfTI-2 (540), in either byte
-/// order.
-void require_nifti1(const fs::path& path, Compression compression)
+/// The header as it is in the file, after checks that niftiio leaves out or prints to stderr about.
+nifti_1_header read_checked_header(const fs::path& path, Compression compression)
 {
-    std::array<std::byte, 348> start{};
+    const std::string where = path.string();
+    nifti_1_header raw{};
+    static_assert(sizeof(raw) == 348);
     try {
-        ByteSource(path, 0, compression).read(start);
+        ByteSource(path, 0, compression).read(std::as_writable_bytes(std::span(&raw, 1)));
     } catch (const Error&) {
         fail("{}: not a NIfTI file, it cannot be read or is shorter than a header (check path, permissions and file "
              "type)",
-             path.string());
+             where);
     }
-    const auto byte = [&](int i) { return std::to_integer<int>(start[std::size_t(i)]); };
-    const int little = byte(0) | byte(1) << 8, big = byte(3) | byte(2) << 8;
-    require(little != 540 && big != 540, "{}: NIfTI-2 cannot be read (convert it to NIfTI-1)", path.string());
-    require(little == 348 || big == 348, "{}: not a NIfTI file (check the file type)", path.string());
-    require(byte(344) == 'n' && byte(345) == '+' && byte(346) == '1' && byte(347) == 0,
-            "{}: not a single-file NIfTI, its magic is not n+1 (convert the pair of files to .nii)", path.string());
+    nifti_1_header h = raw;
+    // The header's own length tells the byte order, and NIfTI-1 (348) from NIfTI-2 (540).
+    if (h.sizeof_hdr != 348 && h.sizeof_hdr != 540)
+        swap_nifti_header(&h, 1);
+    require(h.sizeof_hdr != 540, "{}: NIfTI-2 cannot be read (convert it to NIfTI-1)", where);
+    require(h.sizeof_hdr == 348, "{}: not a NIfTI file (check the file type)", where);
+    require(std::memcmp(h.magic, "n+1", 4) == 0,
+            "{}: not a single-file NIfTI, its magic is not n+1 (convert the pair of files to .nii)", where);
+    require(h.dim[0] >= 1 && h.dim[0] <= 7, "{}: {} dimensions (mend the header)", where, h.dim[0]);
+    for (int i = 1; i <= h.dim[0]; ++i)
+        require(h.dim[i] >= 1, "{}: size {} along dimension {} (mend the header)", where, h.dim[i], i);
+    require(nifti_is_valid_datatype(h.datatype) != 0, "{}: unknown voxel type {} (mend the header)", where, h.datatype);
+    require(h.vox_offset >= 348.0F && h.vox_offset < 2147483648.0F, "{}: data offset {} (mend the header)", where,
+            h.vox_offset);
+    const auto all_finite = [](std::span<const float> values) {
+        return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+    };
+    require(all_finite(std::span(h.pixdim).subspan(1, 3)) &&
+                (h.qform_code <= 0 || all_finite(std::array{h.quatern_b, h.quatern_c, h.quatern_d, h.qoffset_x,
+                                                            h.qoffset_y, h.qoffset_z})) &&
+                (h.sform_code <= 0 || (all_finite(h.srow_x) && all_finite(h.srow_y) && all_finite(h.srow_z))),
+            "{}: spacing or orientation are not finite (mend the header)", where);
+    return raw;
 }
 
 StoredType stored_type(const nifti_image& image, const std::string& where)
@@ -109,9 +130,9 @@ OpenedVolume open_nifti(const fs::path& path)
 {
     const std::string where = path.string();
     const Compression compression = path.extension() == ".gz" ? Compression::deflate : Compression::none;
-    require_nifti1(path, compression);
+    const nifti_1_header raw = read_checked_header(path, compression);
     nifti_set_debug_level(0); // no messages on stderr
-    const std::unique_ptr<nifti_image, NiftiDelete> image(nifti_image_read(path.c_str(), 0));
+    const std::unique_ptr<nifti_image, NiftiDelete> image(nifti_convert_nhdr2nim(raw, path.c_str()));
     require(image != nullptr, "{}: the NIfTI header is damaged (mend it, or copy or export the file again)", where);
 
     OpenedVolume opened;

@@ -1,7 +1,8 @@
 // NRRD with attached or detached header. Header and unusual encodings (ascii, hex, several data files, skipped lines)
 // go through NrrdIO; raw and gzip data are read here, so that one frame does not cost the memory of all.
 #include <array>
-#include <cstring>
+#include <cstdlib>
+#include <fstream>
 #include <mutex>
 
 #include "lumisweep/base/error.h"
@@ -61,21 +62,29 @@ struct PlainData {
     bool ok = false;
 };
 
+/// An attached header ends with its first empty line.
+std::uint64_t header_bytes(const fs::path& path)
+{
+    std::ifstream in(path, std::ios::binary);
+    for (std::string line; std::getline(in, line);)
+        if (line.empty() || line == "\r")
+            return static_cast<std::uint64_t>(std::max<std::streamoff>(in.tellg(), 0));
+    fail("{}: no empty line after the header (the file is truncated; copy or export it again)", path.string());
+}
+
 PlainData find_plain_data(const fs::path& path, const NrrdIoState& io)
 {
     PlainData data;
     const bool gzip = io.encoding == nrrdEncodingGzip;
     if ((io.encoding != nrrdEncodingRaw && !gzip) || io.lineSkip != 0 || io.byteSkip != 0 || io.dataFNFormat ||
-        io.dataFNArr->len > 1 || !io.dataFile)
+        io.dataFNArr->len > 1)
         return data;
     data.compression = gzip ? Compression::deflate : Compression::none;
     if (io.dataFNArr->len == 1) {
         data.file = path.parent_path() / io.dataFN[0]; // an absolute name replaces the folder
     } else {
-        const long position = std::ftell(io.dataFile);
-        require(position >= 0, "{}: cannot be read (give a regular file)", path.string());
         data.file = path;
-        data.offset = static_cast<std::uint64_t>(position);
+        data.offset = header_bytes(path);
     }
     data.ok = true;
     return data;
@@ -97,9 +106,7 @@ std::unique_ptr<VoxelSource> load_all(const fs::path& path, const FrameLayout& l
 void load_nrrd(Nrrd& nrrd, NrrdIoState& io, const fs::path& path, NrrdPart part)
 {
     const std::lock_guard lock(nrrd_mutex);
-    const int header_only = part == NrrdPart::header ? 1 : 0;
-    nrrdIoStateSet(&io, nrrdIoStateSkipData, header_only);
-    nrrdIoStateSet(&io, nrrdIoStateKeepNrrdDataFileOpen, header_only);
+    nrrdIoStateSet(&io, nrrdIoStateSkipData, part == NrrdPart::header ? 1 : 0);
     if (nrrdLoad(&nrrd, path.c_str(), &io) != 0)
         fail("{}: not a readable NRRD file, {} (mend the header, or copy or export the file again)", path.string(),
              take_nrrd_error());

@@ -15,11 +15,7 @@ struct NrrdDelete {
     void operator()(Nrrd* nrrd) const { nrrdNuke(nrrd); }
 };
 struct NrrdIoDelete {
-    void operator()(NrrdIoState* io) const
-    {
-        airFclose(io->dataFile);
-        nrrdIoStateNix(io);
-    }
+    void operator()(NrrdIoState* io) const { nrrdIoStateNix(io); }
 };
 using NrrdPtr = std::unique_ptr<Nrrd, NrrdDelete>;
 using NrrdIoPtr = std::unique_ptr<NrrdIoState, NrrdIoDelete>;

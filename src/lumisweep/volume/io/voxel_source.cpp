@@ -20,10 +20,12 @@ void FileVoxels::rewind()
     bytes_->rewind();
     bytes_->skip(data_offset_ + frame_ * layout_.inner_bytes);
     left_in_run_ = layout_.inner_bytes;
+    left_in_frame_ = layout_.frame_bytes();
 }
 
 void FileVoxels::read(std::span<std::byte> bytes)
 {
+    LUMISWEEP_EXPECT(bytes.size() <= left_in_frame_);
     while (!bytes.empty()) {
         if (left_in_run_ == 0) {
             bytes_->skip((layout_.frames - 1) * layout_.inner_bytes);
@@ -32,8 +34,11 @@ void FileVoxels::read(std::span<std::byte> bytes)
         const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), left_in_run_));
         bytes_->read(bytes.first(n));
         left_in_run_ -= n;
+        left_in_frame_ -= n;
         bytes = bytes.subspan(n);
     }
+    if (left_in_frame_ == 0 && frame_ + 1 == layout_.frames)
+        bytes_->check_end();
 }
 
 MemoryVoxels::MemoryVoxels(std::shared_ptr<const void> owner, const std::byte* data, const FrameLayout& layout,

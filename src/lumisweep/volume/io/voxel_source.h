@@ -43,6 +43,7 @@ private:
     FrameLayout layout_;
     std::uint64_t frame_;
     std::uint64_t left_in_run_ = 0;
+    std::uint64_t left_in_frame_ = 0;
 };
 
 /// A frame of an array in memory that `owner` keeps alive.

@@ -7,7 +7,10 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfRgbaFile.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
@@ -123,6 +126,35 @@ TEST(Exr, ReadsAllTypesCompressionsAndTilings)
             }
         }
     }
+}
+
+TEST(Exr, ReadsTheFirstOfSeveralParts)
+{
+    const ScratchFolder folder;
+    const std::filesystem::path path = folder / "parts.exr";
+    {
+        Imf::Header first(6, 4), second(Imath::Box2i({0, 0}, {5, 3}), Imath::Box2i({0, 0}, {2, 1}));
+        first.setName("first");
+        second.setName("second");
+        first.setType(Imf::SCANLINEIMAGE);
+        second.setType(Imf::SCANLINEIMAGE);
+        for (Imf::Header* header : {&first, &second})
+            header->channels().insert("R", Imf::Channel(Imf::FLOAT));
+        const Imf::Header headers[] = {first, second};
+        Imf::MultiPartOutputFile file(path.c_str(), headers, 2);
+        for (int i = 0; i < 2; ++i) {
+            const std::vector<float> pixels(24, 7.0F + static_cast<float>(i));
+            Imf::FrameBuffer buffer;
+            buffer.insert("R", Imf::Slice::Make(Imf::FLOAT, pixels.data(), headers[i].dataWindow()));
+            Imf::OutputPart part(file, i);
+            part.setFrameBuffer(buffer);
+            part.writePixels(i == 0 ? 4 : 2);
+        }
+    }
+    const Image image = read_exr(path);
+    EXPECT_EQ(image.width, 6);
+    EXPECT_EQ(image.height, 4);
+    EXPECT_EQ(image.find("R")->pixels, std::vector<float>(24, 7.0F));
 }
 
 TEST(Exr, FillsTheDisplayWindow)

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <random>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <tbb/task_arena.h>
 
 #include "lumisweep/base/error.h"
+#include "lumisweep/image/hdr.h"
 #include "lumisweep/math/morton.h"
 #include "lumisweep/math/octahedral.h"
 
@@ -229,6 +231,26 @@ TEST(LatLong, KeepsIntegralAndFirstMomentsOfASmoothMap)
         EXPECT_NEAR(moment.x, 4 * pi / 3 * 0.3, 4e-4);
         EXPECT_NEAR(moment.y, 4 * pi / 3 * 0.2, 4e-4);
         EXPECT_NEAR(moment.z, 4 * pi / 3 * -0.5, 4e-4);
+    }
+}
+
+TEST(LatLong, PhotographedSkiesKeepTheirFlux)
+{
+    const std::filesystem::path environments = std::filesystem::path(LUMISWEEP_FETCHED_DATA) / "environments";
+    if (!std::filesystem::exists(environments))
+        GTEST_SKIP() << "no fetched data in " << environments;
+    for (const auto& entry : std::filesystem::directory_iterator(environments)) {
+        if (entry.path().extension() != ".exr")
+            continue;
+        const Image image = load_latlong(entry.path());
+        const Vec3d found = flux(environment_from_latlong(image, 1.0, 12.3));
+        for (int c = 0; c < 3; ++c) {
+            double expected = 0.0;
+            const std::vector<float>& pixels = image.find(std::string(1, "RGB"[c]))->pixels;
+            for (std::size_t i = 0; i < pixels.size(); ++i)
+                expected += std::max(pixels[i], 0.0F) * pixel_sr(image, static_cast<int>(i) / image.width);
+            EXPECT_NEAR(component(found, c), expected, 1e-7 * expected) << entry.path();
+        }
     }
 }
 

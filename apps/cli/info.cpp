@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "lumisweep/base/memory.h"
 #include "lumisweep/image/hdr.h"
 #include "lumisweep/light/environment.h"

@@ -49,7 +49,7 @@ void print_geometry(const ordered_json& info)
     line("orientation", fmt::format("{} (x [{}], y [{}], z [{}])", info["orientation"].get<std::string>(),
                                     joined(info["directions"][0], ", "), joined(info["directions"][1], ", "),
                                     joined(info["directions"][2], ", ")));
-    line("first voxel", "[" + joined(info["first_voxel_centre"], ", ") + "]");
+    line("first voxel", fmt::format("[{}]", joined(info["first_voxel_centre"], ", ")));
     line("values", fmt::format("{:g} * stored + {:g}", info["slope"].get<double>(), info["intercept"].get<double>()));
 }
 

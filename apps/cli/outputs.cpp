@@ -59,6 +59,20 @@ Image image_with_header(const Session& session, const RenderResult& result, cons
     return image;
 }
 
+/// A volume is much darker than the light behind it (single scattering gives back at most a quarter of it): the
+/// exposure is halfway between what suits the volume and what suits the whole image.
+ToneMapSettings display_settings(const Image& image, const ImageSettings& settings)
+{
+    ToneMapSettings display;
+    if (!settings.show_environment) {
+        display.background = Background::transparent;
+        return display;
+    }
+    display.exposure =
+        std::sqrt(automatic_exposure(image, Background::transparent) * automatic_exposure(image, Background::opaque));
+    return display;
+}
+
 } // namespace
 
 void require_image_extensions(const std::vector<std::string>& files)
@@ -89,8 +103,7 @@ void write_images(const std::vector<std::string>& files, const Session& session,
     if (files.empty())
         return;
     const Image image = image_with_header(session, result, header);
-    ToneMapSettings display;
-    display.background = session.input().image.show_environment ? Background::opaque : Background::transparent;
+    const ToneMapSettings display = display_settings(image, session.input().image);
     for (const std::string& file : files) {
         if (lower_extension(file) == ".exr")
             write_exr(file, image);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -31,6 +32,33 @@ TransferFunctionDescription transfer_function_of(const std::string& file_or_pres
     require(fs::exists(file_or_preset, ignored), "--transfer-function {}: neither a file nor a preset (presets: {})",
             file_or_preset, fmt::join(presets, ", "));
     return read_transfer_function_file(file_or_preset);
+}
+
+/// A path given on the command line, relative to the current directory, as a JSON string.
+std::string json_path(const std::string& option, const std::string& path)
+{
+    try {
+        return nlohmann::json(fs::absolute(path).lexically_normal().string()).dump();
+    } catch (const nlohmann::json::exception&) {
+        fail("{} {}: the path is not UTF-8 (rename it)", option, path);
+    }
+}
+
+/// Files come first, so that --set can say more of them.
+std::vector<SceneOverride> overrides_of(const SceneOptions& options)
+{
+    std::vector<SceneOverride> overrides;
+    if (!options.volume.empty())
+        overrides.push_back({"volume", "{\"file\": " + json_path("--volume", options.volume) + "}"});
+    if (!options.environment.empty())
+        overrides.push_back({"environment.file", json_path("--environment", options.environment)});
+    for (const std::string& text : options.overrides) {
+        const std::size_t equals = text.find('=');
+        if (equals == std::string::npos || equals == 0)
+            throw UsageError(fmt::format("--set {}: no KEY.PATH=VALUE (write as in --set visibility.cell=8)", text));
+        overrides.push_back({text.substr(0, equals), text.substr(equals + 1)});
+    }
+    return overrides;
 }
 
 void require_device(const SceneOptions& options)
@@ -77,24 +105,12 @@ SceneDescription read_scene(const SceneOptions& options)
     if (options.quiet)
         spdlog::set_level(spdlog::level::warn);
     require_device(options);
-    std::vector<SceneOverride> overrides;
-    for (const std::string& text : options.overrides) {
-        const std::size_t equals = text.find('=');
-        if (equals == std::string::npos || equals == 0)
-            throw UsageError(fmt::format("--set {}: no KEY.PATH=VALUE (write as in --set visibility.cell=8)", text));
-        overrides.push_back({text.substr(0, equals), text.substr(equals + 1)});
-    }
+    const std::vector<SceneOverride> overrides = overrides_of(options);
     SceneDescription scene = options.scene_file.empty()
                                  ? parse_scene("{}", "command line", fs::current_path(), overrides)
                                  : read_scene_file(options.scene_file, overrides);
-    if (!options.volume.empty()) {
-        const int frame = scene.volume ? scene.volume->frame : 0;
-        scene.volume = VolumeDescription{{fs::absolute(options.volume).lexically_normal()}, frame};
-    }
     if (!options.transfer_function.empty())
         scene.transfer_function = transfer_function_of(options.transfer_function);
-    if (!options.environment.empty())
-        scene.environment.light = fs::absolute(options.environment).lexically_normal();
     require(scene.volume.has_value(), "{}: volume: missing (add \"volume\": {{\"file\": ...}}, or give --volume FILE)",
             options.scene_file);
     require_files(scene);

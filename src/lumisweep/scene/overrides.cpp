@@ -89,14 +89,6 @@ void drop_alternatives(ordered_json& scene, const std::vector<std::string>& keys
 
 } // namespace
 
-SceneOverride parse_override(const std::string& text)
-{
-    const std::size_t equals = text.find('=');
-    require(equals != std::string::npos && equals > 0, "--set {}: no KEY.PATH=VALUE (write as in render.samples=16)",
-            printable(text));
-    return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
 void apply_overrides(ordered_json& scene, const std::vector<SceneOverride>& overrides)
 {
     for (const SceneOverride& override : overrides) {

@@ -14,8 +14,8 @@ constexpr std::array<std::string_view, 5> names{"ct-bone", "ct-soft-tissue", "ct
                                                 "smoke"};
 
 constexpr Vec3d ivory{0.94, 0.89, 0.78}, pale_ivory{0.97, 0.95, 0.90};
-constexpr Vec3d skin{0.93, 0.72, 0.62}, muscle{0.80, 0.36, 0.30};
-constexpr Vec3d blood{0.86, 0.16, 0.12}, metal{0.66, 0.71, 0.78};
+constexpr Vec3d skin{0.93, 0.72, 0.62}, muscle{0.90, 0.50, 0.44};
+constexpr Vec3d blood{0.95, 0.30, 0.24}, metal{0.78, 0.83, 0.90};
 
 /// Share of the finite voxels at or above a value.
 double share_above(const ValueStatistics& values, double value)
@@ -43,7 +43,7 @@ std::vector<TransferPoint> ct_soft_tissue()
 // Contrast medium in red, bone in ivory, and everything denser than bone as bright metal.
 std::vector<TransferPoint> ct_vessels_and_metal()
 {
-    return {{130, 0.0, blood}, {220, 0.6, blood},  {450, 1.5, {0.90, 0.35, 0.25}},
+    return {{130, 0.0, blood}, {220, 0.6, blood},  {450, 1.5, {0.95, 0.50, 0.38}},
             {700, 3.0, ivory}, {1000, 8.0, metal}, {1600, 20.0, metal}};
 }
 

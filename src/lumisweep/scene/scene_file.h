@@ -18,9 +18,6 @@ struct SceneOverride {
     std::string value;
 };
 
-/// "KEY.PATH=VALUE" as on the command line. Throws Error when there is no key or no "=".
-SceneOverride parse_override(const std::string& text);
-
 /// Parses and validates. `name` begins every message; relative paths are taken from `base_directory`. Throws Error with
 /// one line that names the key's path (or line and column) and the mend.
 SceneDescription parse_scene(std::string_view text, const std::string& name,

@@ -72,6 +72,20 @@ TEST(Environment, ConstantIsTheSameEverywhere)
     EXPECT_NEAR(environment.mean_luminance(), luminance(0.25, 0.5, 2.0), 1e-7);
 }
 
+TEST(Environment, RefiningKeepsTheLight)
+{
+    const Environment coarse(4, random_texels(4, 13));
+    const Environment fine = coarse.refined(32);
+    EXPECT_EQ(fine.resolution(), 32);
+    EXPECT_EQ(fine.mean_luminance(), coarse.mean_luminance());
+    for (int i = 0; i < 32 * 32; ++i) {
+        const UV<double> uv{(i % 32 + 0.5) / 32, (i / 32 + 0.5) / 32};
+        const Vec3d w = direction_from_oct(uv);
+        EXPECT_EQ(fine.radiance(w), coarse.radiance(w));
+    }
+    EXPECT_EQ(coarse.refined(4).mean_luminance(), coarse.mean_luminance());
+}
+
 TEST(Environment, RefusesWhatCannotBe)
 {
     EXPECT_THROW(Environment(12, AlignedArray<float>(3 * 12 * 12)), Error);

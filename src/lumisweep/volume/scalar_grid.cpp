@@ -124,11 +124,11 @@ double ScalarGrid::interpolate(const Vec3d& p_voxel) const
     for (int axis = 0; axis < 3; ++axis) {
         const int last = component(size_, axis) - 1;
         const double x = std::clamp(component(p_voxel, axis) - 0.5, 0.0, double(last));
-        low[axis] = static_cast<int>(x);
+        low[axis] = std::min(static_cast<int>(x), std::max(last - 1, 0));
         high[axis] = std::min(low[axis] + 1, last);
         weight[axis] = x - low[axis];
     }
-    // All eight corners take part even where a weight is zero, as in the kernels, so that NaN spreads alike.
+    // The cell and its eight corners are the kernels', also where a weight is zero, so that NaN spreads alike.
     double sum = 0.0;
     for (int corner = 0; corner < 8; ++corner) {
         const bool x = (corner & 1) != 0, y = (corner & 2) != 0, z = (corner & 4) != 0;

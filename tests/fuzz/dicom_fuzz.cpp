@@ -1,0 +1,7 @@
+#include "volume_fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    lumisweep::fuzz::load(data, size, ".dcm");
+    return 0;
+}

@@ -139,7 +139,7 @@ TEST(NrrdEncodings, AllHoldTheSameVoxels)
         dir.write("pattern.nhdr", nrrd(start + "encoding: raw\ndata file: z%d.raw 0 2 1\n", ""))};
     dir.write("sub/voxels.raw", raw);
     for (int k = 0; k < 3; ++k)
-        dir.write("z" + std::to_string(k) + ".raw", raw.substr(std::size_t(k) * 40, 40));
+        dir.write(fmt::format("z{}.raw", k), raw.substr(std::size_t(k) * 40, 40));
     for (const auto& file : files) {
         SCOPED_TRACE(file.filename());
         const LoadedVolume v = load(file);

@@ -20,7 +20,7 @@ const Fingerprint fingerprint{{"seed", "3"}, {"camera", "0123456789abcdef"}};
 
 Film some_film()
 {
-    Film film(7, 5);
+    Film film(3, 2);
     for (std::size_t i = 0; i < film.color_sum().size(); ++i) {
         film.color_sum()[i] = 0.1 * static_cast<double>(i);
         film.color_sum_squares()[i] = 0.01 * static_cast<double>(i * i);

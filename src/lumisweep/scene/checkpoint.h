@@ -9,7 +9,6 @@
 #include <exception>
 #include <filesystem>
 #include <mutex>
-#include <optional>
 #include <thread>
 
 #include "lumisweep/render/film.h"
@@ -49,7 +48,8 @@ private:
     Fingerprint fingerprint_;
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::optional<Film> pending_; // being written; the thread clears it
+    Film copy_;            // kept between writes, so that its pages are taken once
+    bool pending_ = false; // copy_ is being written; the thread clears it
     bool ending_ = false;
     double write_cost_s_ = 0.0; // processor time of the last copy and write
     double last_begin_s_ = -1e300;

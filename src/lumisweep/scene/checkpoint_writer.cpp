@@ -20,14 +20,14 @@ double thread_cpu_s()
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-Film copy_of(const Film& film)
+void copy_film(const Film& from, Film& to)
 {
-    Film copy(film.width(), film.height());
-    std::copy(film.color_sum().begin(), film.color_sum().end(), copy.color_sum().begin());
-    std::copy(film.color_sum_squares().begin(), film.color_sum_squares().end(), copy.color_sum_squares().begin());
-    std::copy(film.features().begin(), film.features().end(), copy.features().begin());
-    copy.set_samples(film.samples());
-    return copy;
+    if (to.width() != from.width() || to.height() != from.height())
+        to = Film(from.width(), from.height());
+    std::copy(from.color_sum().begin(), from.color_sum().end(), to.color_sum().begin());
+    std::copy(from.color_sum_squares().begin(), from.color_sum_squares().end(), to.color_sum_squares().begin());
+    std::copy(from.features().begin(), from.features().end(), to.features().begin());
+    to.set_samples(from.samples());
 }
 
 } // namespace
@@ -62,12 +62,12 @@ void CheckpointWriter::offer(const Film& film)
         return;
     lock.unlock(); // the thread is idle: nothing else touches what follows
     const double cpu_begin_s = thread_cpu_s();
-    Film copy = copy_of(film);
+    copy_film(film, copy_);
     const double copy_cost_s = thread_cpu_s() - cpu_begin_s;
     lock.lock();
     last_begin_s_ = begin_s;
     write_cost_s_ = copy_cost_s;
-    pending_ = std::move(copy);
+    pending_ = true;
     lock.unlock();
     changed_.notify_all();
 }
@@ -77,7 +77,8 @@ void CheckpointWriter::finish(const Film& film)
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return !pending_; });
     rethrow_failure();
-    write_checkpoint(file_, film, fingerprint_);
+    if (copy_.width() == 0 || copy_.samples() != film.samples()) // else it is on disk already
+        write_checkpoint(file_, film, fingerprint_);
 }
 
 void CheckpointWriter::write_pending()
@@ -91,7 +92,7 @@ void CheckpointWriter::write_pending()
         const double cpu_begin_s = thread_cpu_s();
         std::exception_ptr failure;
         try {
-            write_checkpoint(file_, *pending_, fingerprint_);
+            write_checkpoint(file_, copy_, fingerprint_);
         } catch (...) {
             failure = std::current_exception();
         }
@@ -99,7 +100,7 @@ void CheckpointWriter::write_pending()
         lock.lock();
         failure_ = failure;
         write_cost_s_ += cost_s;
-        pending_.reset();
+        pending_ = false;
         changed_.notify_all();
     }
 }

@@ -90,7 +90,7 @@ TEST(SceneFile, DefaultsAreTheContracts)
     EXPECT_EQ(scene.visibility.directions, 8);
     EXPECT_EQ(scene.visibility.cell, 4);
     EXPECT_EQ(scene.visibility.rays, 0);
-    EXPECT_EQ(scene.visibility.epsilon, 0.01);
+    EXPECT_EQ(scene.visibility.epsilon, 0.1);
 }
 
 TEST(SceneFile, RoundTrips)

@@ -54,4 +54,20 @@ LUMISWEEP_HD UV<F> oct_from_direction(const Vec3<F>& w)
     return {(copysign(u, w.x) + F(1.0F)) * F(0.5F), (copysign(v, w.y) + F(1.0F)) * F(0.5F)};
 }
 
+/// Brings a point up to one unit outside of the square back to where it lies on the sphere: each edge is glued to itself,
+/// mirrored at its middle.
+template <class F>
+LUMISWEEP_HD UV<F> wrap_oct(const UV<F>& uv_oct)
+{
+    const auto fold = [](F& across, F& along) {
+        const auto outside = (across < F(0.0F)) | (across > F(1.0F));
+        across = select(across < F(0.0F), F(0.0F) - across, select(across > F(1.0F), F(2.0F) - across, across));
+        along = select(outside, F(1.0F) - along, along);
+    };
+    F u = uv_oct.u, v = uv_oct.v;
+    fold(u, v);
+    fold(v, u);
+    return {u, v};
+}
+
 } // namespace lumisweep

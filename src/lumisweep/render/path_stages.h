@@ -84,14 +84,18 @@ LUMISWEEP_HD Vec3<F> texel_radiance(const EnvironmentView& environment, const in
             gather(environment.radiance + 2, first)};
 }
 
-/// Radiance from a direction in voxel space (any length).
+/// Radiance behind the volume in a path's direction. The lookup is shifted by up to half a texel at random, so that its mean
+/// joins the texels' centres bilinearly: texels magnified many times would look like a staircase. Power is kept.
 template <class F>
-LUMISWEEP_HD Vec3<F> background_radiance(const SceneView& scene, const Vec3<F>& direction_voxel)
+LUMISWEEP_HD Vec3<F> background_radiance(const SceneView& scene, const PathState<F>& path)
 {
-    const Vec3<F> w = scene.world_from_voxel.apply(direction_voxel);
-    const Vec3<F> w_world = w * (F(1.0F) / sqrt(dot(w, w)));
-    return texel_radiance<F>(scene.directions.environment,
-                             detail::node_of(oct_from_direction(w_world), scene.directions.environment.levels));
+    const EnvironmentView& environment = scene.directions.environment;
+    const Vec3<F> w = scene.world_from_voxel.apply(path.direction);
+    const UV<F> uv = oct_from_direction(Vec3<F>(w * (F(1.0F) / sqrt(dot(w, w)))));
+    const Random3<F> u = random3(path.key, path.dimension);
+    const F texel = F(1.0F / static_cast<float>(1 << environment.levels));
+    const UV<F> shifted = wrap_oct(UV<F>{fma(u.a - F(0.5F), texel, uv.u), fma(u.b - F(0.5F), texel, uv.v)});
+    return texel_radiance<F>(environment, detail::node_of(shifted, environment.levels));
 }
 
 /// start: the camera ray of a pixel, clipped to the volume's box. Fills `path` for all lanes; returns which lanes meet the box.
@@ -147,13 +151,14 @@ LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, P
     using I = int_of<F>;
     const CellXYZ<F> cell = unpack_cell<F>(path.cell);
     const F zero = F(0.0F);
-    const auto exit_at = [&](const F& origin, const F& direction, const I& c) {
+    // The last cell may be larger than what is left of the volume: the volume's box ends the medium.
+    const auto exit_at = [&](const F& origin, const F& direction, const I& c, int n) {
         const F edge = to_float(c + select(direction > zero, I(1), I(0))) * F(static_cast<float>(majorant_cell));
-        return (edge - origin) / direction;
+        return (min(edge, F(static_cast<float>(n))) - origin) / direction;
     };
-    const F tx = exit_at(path.origin.x, path.direction.x, cell.x);
-    const F ty = exit_at(path.origin.y, path.direction.y, cell.y);
-    const F tz = exit_at(path.origin.z, path.direction.z, cell.z);
+    const F tx = exit_at(path.origin.x, path.direction.x, cell.x, scene.size.x);
+    const F ty = exit_at(path.origin.y, path.direction.y, cell.y, scene.size.y);
+    const F tz = exit_at(path.origin.z, path.direction.z, cell.z, scene.size.z);
     const F t_exit = max(min(min(tx, ty), tz), path.t);
 
     const F majorant = majorant_at<F>(scene, path.cell);

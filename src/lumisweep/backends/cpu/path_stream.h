@@ -174,7 +174,7 @@ private:
     LUMISWEEP_HD void splat_background(const M& on, const PathState<F>& path)
     {
         if (scene_.background == BackgroundLight::shown && any(on))
-            splat_color(on, path, stage::background_radiance(scene_, path.direction));
+            splat_color(on, path, stage::background_radiance(scene_, path));
     }
 
     LUMISWEEP_HD void splat_features(const M& on, const PathState<F>& path, const stage::Features<F>& features)

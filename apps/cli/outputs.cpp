@@ -16,6 +16,8 @@
 #include "lumisweep/image/exr.h"
 #include "lumisweep/image/png.h"
 #include "lumisweep/image/tonemap.h"
+#include "lumisweep/render/backend.h"
+#include "lumisweep/render/backend.h"
 
 namespace lumisweep::cli {
 

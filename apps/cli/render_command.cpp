@@ -13,6 +13,7 @@
 #include "interrupt.h"
 #include "lumisweep/backends/cpu/cpu_backend.h"
 #include "lumisweep/base/error.h"
+#include "lumisweep/render/backend.h"
 #include "lumisweep/scene/checkpoint.h"
 #include "lumisweep/scene/load_scene.h"
 #include "lumisweep/scene/scene_file.h"
@@ -61,7 +62,9 @@ void add_options(CLI::App& app, RenderOptions& options)
                       ->type_name("REL");
     samples->excludes(time)->excludes(noise);
     time->excludes(noise);
-    app.add_option("--seed", options.seed, "Seed of the random numbers")->type_name("N");
+    app.add_option("--seed", options.seed, "Seed of the random numbers")
+        ->check(CLI::NonNegativeNumber) // CLI11 would wrap negative ones around
+        ->type_name("N");
     app.add_option("--width", options.width, "Image width in pixels")->check(CLI::Range(1, 16384))->type_name("W");
     app.add_option("--height", options.height, "Image height in pixels")->check(CLI::Range(1, 16384))->type_name("H");
     app.add_option("--stats", options.stats, "Timings and counts of this run")->type_name("FILE.json");

@@ -24,7 +24,7 @@ class Usage(ProgramTest):
                           ["render", "scene.json", "--samples", "many"], ["render", "scene.json", "--strategy", "best"],
                           ["render", "scene.json", "--samples", "4", "--time", "2"], ["render", "scene.json", "--time", "-1"],
                           ["render", "scene.json", "--noise", "0.1", "--samples", "3"], ["render", "scene.json", "--width", "0"],
-                          ["render", "scene.json", "--threads", "0"], ["render", "scene.json", "--device", "abacus"],
+                          ["render", "scene.json", "--threads", "0"], ["render", "scene.json", "--seed", "-1"], ["render", "scene.json", "--device", "abacus"],
                           ["render", "scene.json", "-o", "out.jpg"], ["render", "scene.json", "--set", "samples"],
                           ["compare", "one.exr"], ["info"]):
             self.expect_failure(2, "lumisweep: ", *arguments)

@@ -37,8 +37,9 @@ class StudyError(Exception):
 class Renderer:
     """Runs the command-line program, once per distinct command and build."""
 
-    def __init__(self, program, cache, width):
+    def __init__(self, program, cache, width, settings):
         self.program, self.cache, self.width = Path(program), Path(cache), width
+        self.settings = [argument for setting in settings for argument in ("--set", setting)]
         if not self.program.is_file():
             raise StudyError(f"no program at {self.program}; build it (./check) or name it with --program")
         self.build = hashlib.sha256(self.program.read_bytes()).hexdigest()[:12]
@@ -55,14 +56,14 @@ class Renderer:
         """Returns (image without suffix, stats). `build` is part of the name where another build must not be reused."""
         scene_file = ROOT / "scenes" / f"{scene}.json"
         light_file = ROOT / "data" / "environments" / f"{light}.exr"
-        key = hashlib.sha256(scene_file.read_bytes() + build.encode()).hexdigest()[:8]
+        key = hashlib.sha256(scene_file.read_bytes() + repr((self.settings, build)).encode()).hexdigest()[:8]
         stem = self.cache / f"{scene}-{light}-{self.width}-{strategy}-{samples}-{seed}-{key}"
         stats = Path(f"{stem}.json")
         if not stats.is_file():
             # The stats appear last, under a name that is not looked for: what is found is whole.
             partial = Path(f"{stem}.partial")
             self.call(["render", scene_file, "--set", f"environment.file={light_file}", "--set", "image.show_environment=false",
-                       "--width", self.width, "--height", self.width, "--strategy", strategy, "--samples", samples,
+                       *self.settings, "--width", self.width, "--height", self.width, "--strategy", strategy, "--samples", samples,
                        "--seed", seed, "--stats", partial, "-o", f"{stem}.exr", "-o", f"{stem}.png"])
             partial.rename(stats)
         return stem, json.loads(stats.read_text())
@@ -108,9 +109,10 @@ def mean_and_error(values):
 
 
 def reference_variance(rows, reference_samples):
-    """The reference's own part of every MSE. MSE(N) = v/N + v_ref/N_ref, and for two-step v = v_ref."""
-    own = [row["mse"] / (1 / row["samples"] + 1 / reference_samples) for row in rows if row["strategy"] == "two-step"]
-    return sum(own) / len(own) / reference_samples
+    """The reference's own part of every error. MSE(N) = v/N + v_ref/N_ref, and for two-step v = v_ref."""
+    own = [row for row in rows if row["strategy"] == "two-step"]
+    return {error: sum(row[error] / (1 / row["samples"] + 1 / reference_samples) for row in own) / len(own) / reference_samples
+            for error in ("mse", "relmse")}
 
 
 def summarise(rows, reference_samples):
@@ -119,14 +121,16 @@ def summarise(rows, reference_samples):
     summary = {}
     for strategy in STRATEGIES:
         own = [row for row in rows if row["strategy"] == strategy]
-        by_samples = defaultdict(list)
+        by_samples, relative_by_samples = defaultdict(list), defaultdict(list)
         for row in own:
-            by_samples[row["samples"]].append(row["mse"] - noise_of_reference)
+            by_samples[row["samples"]].append(row["mse"] - noise_of_reference["mse"])
+            relative_by_samples[row["samples"]].append(row["relmse"] - noise_of_reference["relmse"])
         total_samples = sum(row["samples"] for row in own)
         # The variance of one sample, each run weighted by its samples; runs of several counts estimate the same number.
-        variance = sum(row["samples"] * (row["mse"] - noise_of_reference) * row["samples"] for row in own) / total_samples
+        variance = sum(row["samples"] * (row["mse"] - noise_of_reference["mse"]) * row["samples"] for row in own) / total_samples
         summary[strategy] = {
             "mse": {samples: mean_and_error(values) for samples, values in by_samples.items()},
+            "relmse": {samples: mean_and_error(values) for samples, values in relative_by_samples.items()},
             "variance": variance,
             "sample_s": sum(row["render_s"] for row in own) / total_samples,
             "preparation_s": sum(row["preparation_s"] for row in own) / len(own),
@@ -134,6 +138,7 @@ def summarise(rows, reference_samples):
     baseline = summary[BASELINE]
     for entry in summary.values():
         entry["equal_samples"] = {n: ratio(baseline["mse"][n], entry["mse"][n]) for n in entry["mse"]}
+        entry["equal_samples_relative"] = {n: ratio(baseline["relmse"][n], entry["relmse"][n]) for n in entry["relmse"]}
         entry["equal_time"] = divide(baseline["variance"] * baseline["sample_s"], entry["variance"] * entry["sample_s"])
         entry["equal_time_swept"] = {n: swept(baseline, entry, n) for n in entry["mse"]}
     return summary
@@ -173,24 +178,29 @@ def markdown_tables(summary, counts):
     errors = [[strategy, *[with_error(*summary[strategy]["mse"][n]) for n in counts],
                f"{1000 * summary[strategy]['sample_s']:.3g}", f"{summary[strategy]['preparation_s']:.2f}"]
               for strategy in STRATEGIES]
+    last = max(counts)
     ratios = [[strategy, *[with_error(*summary[strategy]["equal_samples"][n]) for n in counts],
+               with_error(*summary[strategy]["equal_samples_relative"][last]),
                f"{summary[strategy]['equal_time']:.3g}", *[f"{summary[strategy]['equal_time_swept'][n]:.3g}" for n in counts]]
               for strategy in STRATEGIES]
     return "\n\n".join([
         markdown_rows(["strategy", *[f"MSE at {n}" for n in counts], "ms a sample", "preparation, s"], errors),
-        markdown_rows(["strategy", *[f"ratio at {n}" for n in counts], "equal time", *[f"with sweep, {n}" for n in counts]], ratios)])
+        markdown_rows(["strategy", *[f"ratio at {n}" for n in counts], f"relMSE ratio at {last}", "equal time", *[f"with sweep, {n}" for n in counts]], ratios)])
 
 
 def plain_table(results, counts):
     last = max(counts)
-    lines = [f"{'scene, light':24}{'strategy':14}{'MSE at ' + str(last):>12}{'equal samples':>16}{'equal time':>12}{'with sweep':>12}"]
+    columns = [f"MSE at {last}", "equal samples", "relMSE", "equal time", "with sweep"]
+    lines = [f"{'scene, light':22}{'strategy':14}" + "".join(f"{column:>15}" for column in columns)]
     for (scene, light), summary in results.items():
         for strategy in STRATEGIES:
             entry = summary[strategy]
             place = f"{scene}, {light}" if strategy == STRATEGIES[0] else ""
-            lines.append(f"{place:24}{strategy:14}{entry['mse'][last][0]:12.3g}{entry['equal_samples'][last][0]:15.2f}x"
-                         f"{entry['equal_time']:11.2f}x{entry['equal_time_swept'][last]:11.2f}x")
-    lines.append(f"Ratios: how many times less squared error than '{BASELINE}' (importance sampling of the light alone).")
+            ratios = (entry["equal_samples"][last][0], entry["equal_samples_relative"][last][0], entry["equal_time"],
+                      entry["equal_time_swept"][last])
+            lines.append(f"{place:22}{strategy:14}{entry['mse'][last][0]:15.3g}" + "".join(f"{value:14.3g}x" for value in ratios))
+    lines.append(f"Ratios: how many times less squared error than '{BASELINE}', which samples the light alone. relMSE divides each")
+    lines.append("pixel's squared error by the reference's square, so that shadows count like highlights.")
     return "\n".join(lines)
 
 
@@ -211,7 +221,9 @@ Squared error against a reference of {reference} samples a pixel (two-step, anot
 known from two-step's error at small counts, is subtracted. ± is the standard error over runs of different seeds.
 
 - **ratio at N**: the error of environment sampling over that of the strategy, at equal samples; above 1 is better.
-- **equal time**: the same for variance × time, rendering alone.
+- **relMSE ratio**: the same for squared errors divided by the squared reference (plus 0.01), so that shadows count like
+  highlights.
+- **equal time**: the ratio for variance × time, rendering alone.
 - **with sweep, N**: the same when the strategy's preparation (classification, sweeps, joint grid) and N samples are paid, and
   environment sampling gets all of that time for samples.
 
@@ -244,6 +256,7 @@ def parse_arguments():
     parser.add_argument("--quick", action="store_true", help="small images, few samples, two scenes")
     parser.add_argument("--scenes", nargs="+", default=None, help="names in scenes/ (ct_head stent ch2)")
     parser.add_argument("--lights", nargs="+", default=None, help="names in data/environments (courtyard studio city sunrise)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="scene entry to change; repeatable")
     parser.add_argument("--width", type=int, default=None, help="pixels along each side (256)")
     parser.add_argument("--reference-samples", type=int, default=None, help="of the reference (8192)")
     parser.add_argument("--program", default=ROOT / "build" / "release" / "lumisweep")
@@ -271,7 +284,7 @@ def main():
     for light in options.lights:
         if not (ROOT / "data" / "environments" / f"{light}.exr").is_file():
             raise StudyError(f"no light data/environments/{light}.exr; run scripts/fetch_data {light}")
-    renderer = Renderer(options.program, options.cache, options.width)
+    renderer = Renderer(options.program, options.cache, options.width, options.set)
     if options.fresh:
         for path in options.cache.glob("*-two-step-*"):
             path.unlink()

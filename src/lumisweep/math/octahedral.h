@@ -54,8 +54,8 @@ LUMISWEEP_HD UV<F> oct_from_direction(const Vec3<F>& w)
     return {(copysign(u, w.x) + F(1.0F)) * F(0.5F), (copysign(v, w.y) + F(1.0F)) * F(0.5F)};
 }
 
-/// Brings a point up to one unit outside of the square back to where it lies on the sphere: each edge is glued to itself,
-/// mirrored at its middle.
+/// Brings a point up to one unit outside of the square back to where it lies on the sphere: each edge is glued to
+/// itself, mirrored at its middle.
 template <class F>
 LUMISWEEP_HD UV<F> wrap_oct(const UV<F>& uv_oct)
 {

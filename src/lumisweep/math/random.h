@@ -1,8 +1,8 @@
-// Counter-based random numbers keyed by (seed, sample, pixel) and counted by dimension: the same path has the same numbers on
-// every backend, instruction set and thread count.
+// Counter-based random numbers keyed by (seed, sample, pixel) and counted by dimension: the same path has the same
+// numbers on every backend, instruction set and thread count.
 //
-// The hashes are pcg3d and pcg4d of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering" (JCGT 9(3)): three or four
-// 32-bit words in, as many well-mixed words out.
+// The hashes are pcg3d and pcg4d of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering" (JCGT 9(3)): three or
+// four 32-bit words in, as many well-mixed words out.
 #pragma once
 
 #include <cstdint>
@@ -85,8 +85,8 @@ struct PassKey {
     std::int32_t k0, k1;
 };
 
-/// Mixes the seed and the sample's number to the key of a pass: a bijection of 64 bits for a given seed, so no two passes
-/// share one (the finaliser of SplitMix64, Steele et al. 2014).
+/// Mixes the seed and the sample's number to the key of a pass: a bijection of 64 bits for a given seed, so no two
+/// passes share one (the finaliser of SplitMix64, Steele et al. 2014).
 inline PassKey pass_key(std::uint64_t seed, std::uint64_t sample)
 {
     const auto mix = [](std::uint64_t x) {

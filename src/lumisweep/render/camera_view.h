@@ -7,14 +7,14 @@
 
 namespace lumisweep {
 
-/// Positions are relative to the centre of the volume's box, in world units, so that single precision does not lose a volume
-/// that lies far from the origin.
+/// Positions are relative to the centre of the volume's box, in world units, so that single precision does not lose a
+/// volume that lies far from the origin.
 struct CameraView {
     Vec3f position{0.0F, 0.0F, 0.0F};
-    Vec3f center_voxel{0.0F, 0.0F, 0.0F};   ///< the box's centre in voxels
-    Vec3f forward{0.0F, 1.0F, 0.0F};        ///< unit
-    Vec3f right{1.0F, 0.0F, 0.0F};          ///< half the image's width at distance 1
-    Vec3f up{0.0F, 0.0F, 1.0F};             ///< half the image's height at distance 1
+    Vec3f center_voxel{0.0F, 0.0F, 0.0F}; ///< the box's centre in voxels
+    Vec3f forward{0.0F, 1.0F, 0.0F};      ///< unit
+    Vec3f right{1.0F, 0.0F, 0.0F};        ///< half the image's width at distance 1
+    Vec3f up{0.0F, 0.0F, 1.0F};           ///< half the image's height at distance 1
     float lens_radius = 0.0F, focus_distance = 1.0F;
     int width = 1, height = 1;
 };
@@ -30,7 +30,8 @@ template <class F>
 LUMISWEEP_HD Vec3<F> uniform_disc(const F& u0, const F& u1)
 {
     using I = int_of<F>;
-    // A quarter of the circle by polynomial, then turned by the quarter's number; the start of the angle does not matter.
+    // A quarter of the circle by polynomial, then turned by the quarter's number; the start of the angle does not
+    // matter.
     const F turn = u1 * F(4.0F);
     const I quarter = min(to_int(turn), I(3));
     const SinCos<F> sc = sincos_eighth((turn - to_float(quarter) - F(0.5F)) * F(pi / 2));
@@ -42,7 +43,8 @@ LUMISWEEP_HD Vec3<F> uniform_disc(const F& u0, const F& u1)
     return {x * r * sign, y * r * sign, F(0.0F)};
 }
 
-/// The ray through image position (x, y) in pixels, x to the right, y down from the top edge; lens_u picks the lens point.
+/// The ray through image position (x, y) in pixels, x to the right, y down from the top edge; lens_u picks the lens
+/// point.
 template <class F>
 LUMISWEEP_HD Ray<F> camera_ray(const CameraView& camera, const F& x, const F& y, const F& lens_u0, const F& lens_u1)
 {

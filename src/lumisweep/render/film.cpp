@@ -11,7 +11,10 @@ namespace lumisweep {
 
 namespace {
 
-std::size_t pixels_of(int width, int height) { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+std::size_t pixels_of(int width, int height)
+{
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
 
 /// Variance of the mean of n samples from their sum and sum of squares.
 double variance_of_mean(double sum, double sum_squares, double n)
@@ -71,8 +74,9 @@ double Film::noise() const
         const double* s = color_sum_.data() + i;
         const double* q = color_sum_squares_.data() + i;
         // Channels of a sample are almost perfectly correlated, so standard deviations add, weighted by luminance.
-        const double deviation = luminance(std::sqrt(variance_of_mean(s[0], q[0], n)), std::sqrt(variance_of_mean(s[1], q[1], n)),
-                                           std::sqrt(variance_of_mean(s[2], q[2], n)));
+        const double deviation =
+            luminance(std::sqrt(variance_of_mean(s[0], q[0], n)), std::sqrt(variance_of_mean(s[1], q[1], n)),
+                      std::sqrt(variance_of_mean(s[2], q[2], n)));
         variance += deviation * deviation;
         mean += luminance(s[0], s[1], s[2]) / n;
     }

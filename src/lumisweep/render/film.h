@@ -5,12 +5,12 @@
 
 #include "lumisweep/base/aligned.h"
 #include "lumisweep/image/image.h"
-#include "lumisweep/render/path_state.h"
+#include "lumisweep/render/pass.h"
 
 namespace lumisweep {
 
-/// Sums over samples, whole passes at a time. Memory: color_sum and color_sum_squares [pixels][3] double; features [pixels][8]
-/// float: albedo r g b, normal x y z (world), depth, hits (samples that met the volume).
+/// Sums over samples, whole passes at a time. Memory: color_sum and color_sum_squares [pixels][3] double; features
+/// [pixels][8] float: albedo r g b, normal x y z (world), depth, hits (samples that met the volume).
 class Film {
 public:
     static constexpr int feature_count = 8;

@@ -1,5 +1,6 @@
-// The stages of a path, once for every lane type: start → advance → candidate → scatter, and the background where a camera
-// segment leaves. Estimates interface "Radiometry": single scattering from the first collision along the camera ray,
+// The stages of a path, once for every lane type: start → advance → candidate → scatter, and the background where a
+// camera segment leaves. Estimates interface "Radiometry": single scattering from the first collision along the camera
+// ray,
 //
 //   L = ∫ T σt ρ [ ∫ (1/4π) V L_env dω ] dt + T(∞) L_env,
 //
@@ -84,8 +85,8 @@ LUMISWEEP_HD Vec3<F> texel_radiance(const EnvironmentView& environment, const in
             gather(environment.radiance + 2, first)};
 }
 
-/// Radiance behind the volume in a path's direction. The lookup is shifted by up to half a texel at random, so that its mean
-/// joins the texels' centres bilinearly: texels magnified many times would look like a staircase. Power is kept.
+/// Radiance behind the volume in a path's direction. The lookup is shifted by up to half a texel at random, so that its
+/// mean joins the texels' centres bilinearly: texels magnified many times would look like a staircase. Power is kept.
 template <class F>
 LUMISWEEP_HD Vec3<F> background_radiance(const SceneView& scene, const PathState<F>& path)
 {
@@ -98,7 +99,8 @@ LUMISWEEP_HD Vec3<F> background_radiance(const SceneView& scene, const PathState
     return texel_radiance<F>(environment, detail::node_of(shifted, environment.levels));
 }
 
-/// start: the camera ray of a pixel, clipped to the volume's box. Fills `path` for all lanes; returns which lanes meet the box.
+/// start: the camera ray of a pixel, clipped to the volume's box. Fills `path` for all lanes; returns which lanes meet
+/// the box.
 template <class F>
 LUMISWEEP_HD mask_of<F> start(const SceneView& scene, const PassKey& pass, const int_of<F>& pixel_x,
                               const int_of<F>& pixel_y, PathState<F>& path)
@@ -107,8 +109,7 @@ LUMISWEEP_HD mask_of<F> start(const SceneView& scene, const PassKey& pass, const
     path.pixel = pixel_x + pixel_y * I(scene.camera.width);
     path.key = path_key<F>(path.pixel, pass.k0, pass.k1);
     const Random3<F> u = random3(path.key, I(0)), v = random3(path.key, I(1));
-    const Ray<F> ray =
-        camera_ray(scene.camera, to_float(pixel_x) + u.a, to_float(pixel_y) + u.b, u.c, v.a);
+    const Ray<F> ray = camera_ray(scene.camera, to_float(pixel_x) + u.a, to_float(pixel_y) + u.b, u.c, v.a);
 
     const Vec3<F> d = scene.voxel_from_world.apply(ray.direction);
     path.direction = {nonzero(d.x), nonzero(d.y), nonzero(d.z)};
@@ -144,7 +145,8 @@ struct Advanced {
     mask_of<F> left;      ///< has left the volume
 };
 
-/// advance: through one majorant cell: to the tentative collision if the flight ends within it, else into the next cell.
+/// advance: through one majorant cell: to the tentative collision if the flight ends within it, else into the next
+/// cell.
 template <class F>
 LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, PathState<F>& path)
 {
@@ -191,8 +193,9 @@ struct Judged {
     mask_of<F> ended;     ///< shadow segment: roulette or an opaque voxel ended it
 };
 
-/// candidate: looks the extinction up at a tentative collision. Camera segments collide really with probability σt / majorant
-/// (delta tracking); shadow segments multiply by 1 − σt / majorant (ratio tracking). Draws the next free flight.
+/// candidate: looks the extinction up at a tentative collision. Camera segments collide really with probability σt /
+/// majorant (delta tracking); shadow segments multiply by 1 − σt / majorant (ratio tracking). Draws the next free
+/// flight.
 template <class F, class Voxel>
 LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const GridView<Voxel>& grid, const mask_of<F>& on,
                                  PathState<F>& path)

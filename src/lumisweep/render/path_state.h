@@ -1,4 +1,4 @@
-// The state of a path between stages, and where stages leave their results.
+// The state of a path between stages.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,9 @@
 
 namespace lumisweep {
 
-/// Lanes of paths. A path is on its camera segment (towards the first collision) or on its shadow segment (towards the light).
-/// Rays are kept in voxel space, p_voxel(t) = origin + t · direction with t in world units from the segment's start.
+/// Lanes of paths. A path is on its camera segment (towards the first collision) or on its shadow segment (towards the
+/// light). Rays are kept in voxel space, p_voxel(t) = origin + t · direction with t in world units from the segment's
+/// start.
 template <class F>
 struct PathState {
     Vec3<F> origin, direction;
@@ -37,12 +38,5 @@ struct PathState {
 
 inline constexpr int camera_segment = 0;
 inline constexpr int shadow_segment = 1;
-
-/// One pass's samples, one per pixel, zero where a path brought nothing.
-/// Memory: color [pixels][3] float; features [pixels][8] float, the order of Film's.
-struct SampleView {
-    float* color = nullptr;
-    float* features = nullptr;
-};
 
 } // namespace lumisweep

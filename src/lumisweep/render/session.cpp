@@ -6,7 +6,9 @@
 
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/memory.h"
+#include "lumisweep/render/backend.h"
 #include "lumisweep/render/camera.h"
+#include "lumisweep/render/scene_view.h"
 #include "lumisweep/sampling/joint_grid.h"
 #include "lumisweep/volume/majorant_grid.h"
 
@@ -197,8 +199,8 @@ void Session::replace_visibility(VisibilityGrid grid)
 {
     const Vec3i cells = VisibilityGrid::cells_of(state_->input.volume->size(), state_->input.visibility.cell);
     require(grid.cells() == cells && grid.directions_per_side() == state_->input.visibility.directions,
-            "visibility grid: {} × {} × {} cells of {}² directions do not fit this session", grid.cells().x, grid.cells().y,
-            grid.cells().z, grid.directions_per_side());
+            "visibility grid: {} × {} × {} cells of {}² directions do not fit this session", grid.cells().x,
+            grid.cells().y, grid.cells().z, grid.directions_per_side());
     state_->visibility = std::move(grid);
     state_->stale_visibility = false;
     state_->stale_joint = true;
@@ -240,8 +242,8 @@ void Session::prepare(const std::atomic<bool>* cancel)
     }
     if (s.stale_joint) {
         const Stopwatch watch(s.stats.joint_s);
-        const JointFactor factor = s.strategy() == Strategy::visibility ? JointFactor::visibility_only
-                                                                        : JointFactor::visibility_times_light;
+        const JointFactor factor =
+            s.strategy() == Strategy::visibility ? JointFactor::visibility_only : JointFactor::visibility_times_light;
         s.joint = JointGrid(s.visibility, s.input.volume->size(), *s.light, factor, s.input.visibility.epsilon);
         s.stats.joint_bytes = s.joint.bytes();
         s.stale_joint = false;
@@ -290,8 +292,8 @@ std::uint64_t Session::memory_needed(const SessionInput& input)
     bytes += voxels / (majorant_cell * majorant_cell * majorant_cell) * 12 * 2;
     if (needs_joint(input.render.strategy)) {
         const std::uint64_t cells = cell_count(input);
-        const std::uint64_t directions =
-            static_cast<std::uint64_t>(input.visibility.directions) * static_cast<std::uint64_t>(input.visibility.directions);
+        const std::uint64_t directions = static_cast<std::uint64_t>(input.visibility.directions) *
+                                         static_cast<std::uint64_t>(input.visibility.directions);
         // While sweeping: the classified volume with its mips and a transposed copy, a byte a voxel each.
         const std::uint64_t sweeping = voxels * 5 / 2;
         bytes += cells * directions;

@@ -1,7 +1,7 @@
 // A session: the graph volume → majorants, sweeps, joint grid → film, its versions, and progressive rendering.
 //
-// Setters may be called between passes in any order; each marks only what depends on it (docs/architecture.md), and the next
-// pass redoes exactly that. Not thread-safe, except for `cancel`.
+// Setters may be called between passes in any order; each marks only what depends on it (docs/architecture.md), and the
+// next pass redoes exactly that. Not thread-safe, except for `cancel`.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 #include <memory>
 
 #include "lumisweep/light/environment.h"
-#include "lumisweep/render/backend.h"
 #include "lumisweep/render/film.h"
+#include "lumisweep/render/pass.h"
 #include "lumisweep/render/settings.h"
 #include "lumisweep/visibility/settings.h"
 #include "lumisweep/visibility/sweep.h"
@@ -19,6 +19,8 @@
 #include "lumisweep/volume/transfer_function.h"
 
 namespace lumisweep {
+
+class Backend; // render/backend.h
 
 /// Wall-clock seconds of the stages, accumulated over the session, and what they hold.
 struct SessionStats {
@@ -42,8 +44,8 @@ struct SessionInput {
 
 class Session {
 public:
-    /// `backend` from make_cpu_backend() (backends/cpu/cpu_backend.h). Throws Error for invalid input, and when the memory
-    /// that rendering will need is not there.
+    /// `backend` from make_cpu_backend() (backends/cpu/cpu_backend.h). Throws Error for invalid input, and when the
+    /// memory that rendering will need is not there.
     Session(SessionInput input, std::shared_ptr<Backend> backend);
     ~Session();
     Session(const Session&) = delete;
@@ -56,7 +58,8 @@ public:
     void set_image(const ImageSettings& image);
     void set_render(const RenderSettings& render);
     void set_visibility(const VisibilitySettings& visibility);
-    /// Replaces the visibility grid by one of the same shape; the mean image does not depend on it (the poisoned-cache test).
+    /// Replaces the visibility grid by one of the same shape; the mean image does not depend on it (the poisoned-cache
+    /// test).
     void replace_visibility(VisibilityGrid grid);
 
     /// Brings everything but the film up to date: majorants, sweeps, joint grid. render_pass() does it by itself.

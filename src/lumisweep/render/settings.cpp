@@ -23,10 +23,11 @@ void Camera::validate() const
     const Vec3d side = cross(target - position, up);
     require(length(up) > 0.0 && length(side) > 1e-9 * distance * length(up),
             "camera.up: is zero or along the view direction (choose another up vector)");
-    require(vertical_fov_deg > 0.0 && vertical_fov_deg < 180.0,
-            "camera.vertical_fov_deg: {} is not between 0 and 180", vertical_fov_deg);
+    require(vertical_fov_deg > 0.0 && vertical_fov_deg < 180.0, "camera.vertical_fov_deg: {} is not between 0 and 180",
+            vertical_fov_deg);
     require(std::isfinite(lens_radius) && lens_radius >= 0.0, "camera.lens_radius: {} is not ≥ 0", lens_radius);
-    require(std::isfinite(focus_distance) && focus_distance >= 0.0, "camera.focus_distance: {} is not ≥ 0", focus_distance);
+    require(std::isfinite(focus_distance) && focus_distance >= 0.0, "camera.focus_distance: {} is not ≥ 0",
+            focus_distance);
 }
 
 double Camera::focus() const { return focus_distance > 0.0 ? focus_distance : length(target - position); }

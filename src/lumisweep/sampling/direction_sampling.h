@@ -1,11 +1,13 @@
-// The direction strategies: sample(x, u) → ω with its pdf, and pdf(x, ω). Journal paper, section 7; conference paper, 3.4.
+// The direction strategies: sample(x, u) → ω with its pdf, and pdf(x, ω). Journal paper, section 7; conference
+// paper, 3.4.
 //
-// Densities are over the octahedral unit square (pdf_uv); as the map preserves area, pdf_omega = pdf_uv / 4π per steradian.
+// Densities are over the octahedral unit square (pdf_uv); as the map preserves area, pdf_omega = pdf_uv / 4π per
+// steradian.
 //
-// The papers interpolate the eight cells around x and descend the interpolated quadtree. The same density is had cheaper:
-// J(x) = Σ w_c J_c is a mixture of the cells, so choose a cell with probability proportional to w_c · root_c and descend
-// that cell alone; the density is that of the mixture, Σ w_c J_c(leaf) / Σ w_c root_c.
-// Bias: none, whatever the grid holds, as J > 0 wherever the light is (ε > 0).
+// The papers interpolate the eight cells around x and descend the interpolated quadtree. The same density is had
+// cheaper: J(x) = Σ w_c J_c is a mixture of the cells, so choose a cell with probability proportional to w_c · root_c
+// and descend that cell alone; the density is that of the mixture, Σ w_c J_c(leaf) / Σ w_c root_c. Bias: none, whatever
+// the grid holds, as J > 0 wherever the light is (ε > 0).
 #pragma once
 
 #include "lumisweep/light/environment.h"
@@ -27,9 +29,9 @@ struct DirectionSamplingView {
 
 template <class F>
 struct DirectionSample {
-    UV<F> uv_oct;      ///< of the direction, world space
-    F pdf_uv;          ///< per unit octahedral square; / 4π for steradians
-    int_of<F> texel;   ///< of the environment, Morton order
+    UV<F> uv_oct;    ///< of the direction, world space
+    F pdf_uv;        ///< per unit octahedral square; / 4π for steradians
+    int_of<F> texel; ///< of the environment, Morton order
 };
 
 namespace detail {
@@ -68,7 +70,10 @@ LUMISWEEP_HD CellCorners<F> cell_corners(const JointView& joint, const Vec3<F>& 
     const F qy = clamp_axis(p_voxel.y * F(joint.cells_per_voxel.y), n.y);
     const F qz = clamp_axis(p_voxel.z * F(joint.cells_per_voxel.z), n.z);
     const I ix = base_axis(qx, n.x), iy = base_axis(qy, n.y), iz = base_axis(qz, n.z);
-    return {ix + (iy + iz * I(n.y)) * I(n.x), n.x > 1 ? 1 : 0, n.y > 1 ? n.x : 0, n.z > 1 ? n.x * n.y : 0,
+    return {ix + (iy + iz * I(n.y)) * I(n.x),
+            n.x > 1 ? 1 : 0,
+            n.y > 1 ? n.x : 0,
+            n.z > 1 ? n.x * n.y : 0,
             {qx - to_float(ix), qy - to_float(iy), qz - to_float(iz)}};
 }
 
@@ -154,7 +159,8 @@ LUMISWEEP_HD int_of<F> node_of(const UV<F>& uv_oct, int level)
     return morton_encode(x, y);
 }
 
-/// Luminance of an environment node over that of the level's ancestor: the density below a node, per unit of its square.
+/// Luminance of an environment node over that of the level's ancestor: the density below a node, per unit of its
+/// square.
 template <class F>
 LUMISWEEP_HD F environment_pdf_below(const EnvironmentView& environment, const int_of<F>& texel,
                                      const F& node_luminance)

@@ -1,4 +1,5 @@
-// Hierarchical warping of a uniform point down a quadtree: Clarberg et al. 2005 (the papers' [5]), one quad of siblings a step.
+// Hierarchical warping of a uniform point down a quadtree: Clarberg et al. 2005 (the papers' [5]), one quad of siblings
+// a step.
 #pragma once
 
 #include "lumisweep/math/lanes.h"
@@ -35,8 +36,8 @@ LUMISWEEP_HD mask_of<F> warp_axis(const F& low, const F& high, F& u)
 
 } // namespace detail
 
-/// Chooses a child with probability proportional to its weight and moves there; the point stays uniform. At least one weight
-/// must be positive, and a child of weight zero is never chosen.
+/// Chooses a child with probability proportional to its weight and moves there; the point stays uniform. At least one
+/// weight must be positive, and a child of weight zero is never chosen.
 template <class F>
 LUMISWEEP_HD Descent<F> warp_to_child(const Quad<F>& quad, const Descent<F>& at)
 {

@@ -11,10 +11,7 @@ namespace lumisweep {
 namespace {
 
 /// Nodes below the root in `levels` levels.
-std::size_t nodes_of(int levels)
-{
-    return ((std::size_t{4} << (2 * levels)) - 4) / 3;
-}
+std::size_t nodes_of(int levels) { return ((std::size_t{4} << (2 * levels)) - 4) / 3; }
 
 } // namespace
 
@@ -28,8 +25,8 @@ JointGrid::JointGrid(const VisibilityGrid& visibility, Vec3i volume_size, const 
     : cells_(visibility.cells()), cells_per_voxel_{static_cast<float>(cells_.x) / static_cast<float>(volume_size.x),
                                                    static_cast<float>(cells_.y) / static_cast<float>(volume_size.y),
                                                    static_cast<float>(cells_.z) / static_cast<float>(volume_size.z)},
-      levels_(std::countr_zero(static_cast<unsigned>(visibility.directions_per_side()))), root_(visibility.cell_count()),
-      nodes_(visibility.cell_count() * nodes_of(levels_))
+      levels_(std::countr_zero(static_cast<unsigned>(visibility.directions_per_side()))),
+      root_(visibility.cell_count()), nodes_(visibility.cell_count() * nodes_of(levels_))
 {
     LUMISWEEP_EXPECT(epsilon > 0.0);
     LUMISWEEP_EXPECT(environment.resolution() >= visibility.directions_per_side());
@@ -62,8 +59,8 @@ JointGrid::JointGrid(const VisibilityGrid& visibility, Vec3i volume_size, const 
                 const std::size_t child_count = static_cast<std::size_t>(children - nodes) * 3 + 4;
                 float* parents = children - child_count / 4;
                 for (std::size_t m = 0; m < child_count / 4; ++m)
-                    parents[m] = 0.25F * ((children[4 * m] + children[4 * m + 1]) +
-                                          (children[4 * m + 2] + children[4 * m + 3]));
+                    parents[m] =
+                        0.25F * ((children[4 * m] + children[4 * m + 1]) + (children[4 * m + 2] + children[4 * m + 3]));
                 children = parents;
             }
             root_[cell] = 0.25F * ((nodes[0] + nodes[1]) + (nodes[2] + nodes[3]));

@@ -1,5 +1,5 @@
-// The joint grid: visibility × light per cell, with its averages: what joint-hierarchical sampling descends (journal paper,
-// section 7).
+// The joint grid: visibility × light per cell, with its averages: what joint-hierarchical sampling descends (journal
+// paper, section 7).
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,9 @@ namespace lumisweep {
 enum class JointFactor { visibility_only, visibility_times_light };
 
 /// As kernels read it. Cells as in VisibilityGrid; `levels` = log2 of the directions per side.
-/// Memory: root [cells] float: the mean over directions of J = (V + ε) · L̄ / mean L̄. nodes [cells][node_count] float: the
-/// averages of J at level l = 1 … levels, Morton order, level l from (4^l − 4)/3 on; the last level is J itself. Dividing by
-/// root gives a density per unit octahedral square.
+/// Memory: root [cells] float: the mean over directions of J = (V + ε) · L̄ / mean L̄. nodes [cells][node_count] float:
+/// the averages of J at level l = 1 … levels, Morton order, level l from (4^l − 4)/3 on; the last level is J itself.
+/// Dividing by root gives a density per unit octahedral square.
 struct JointView {
     const float* root = nullptr;
     const float* nodes = nullptr;
@@ -30,8 +30,8 @@ struct JointView {
 class JointGrid {
 public:
     JointGrid() = default;
-    /// `volume_size` in voxels. The environment must have at least as many texels a side as the grid has directions, and a
-    /// mean luminance > 0 unless the factor is visibility_only. epsilon > 0 keeps every direction possible.
+    /// `volume_size` in voxels. The environment must have at least as many texels a side as the grid has directions,
+    /// and a mean luminance > 0 unless the factor is visibility_only. epsilon > 0 keeps every direction possible.
     JointGrid(const VisibilityGrid& visibility, Vec3i volume_size, const Environment& environment, JointFactor factor,
               double epsilon);
 

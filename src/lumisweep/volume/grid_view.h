@@ -6,8 +6,8 @@
 
 namespace lumisweep {
 
-/// Memory: voxels [nz][ny][nx] of Voxel, x fastest, at least 4 readable bytes behind the end. A stride is 0 where its side is
-/// 1 voxel, so that the second neighbour is the voxel itself; x_step likewise.
+/// Memory: voxels [nz][ny][nx] of Voxel, x fastest, at least 4 readable bytes behind the end. A stride is 0 where its
+/// side is 1 voxel, so that the second neighbour is the voxel itself; x_step likewise.
 template <class Voxel>
 struct GridView {
     const Voxel* voxels = nullptr;
@@ -31,7 +31,8 @@ LUMISWEEP_HD Corners<F> corners_at(const GridView<Voxel>& grid, const Vec3<F>& p
         return min(max(p - F(0.5F), F(0.0F)), F(static_cast<float>(n - 1)));
     };
     const auto base_axis = [](const F& q, int n) { return min(to_int(q), I(n > 1 ? n - 2 : 0)); };
-    const F qx = clamp_axis(p_voxel.x, grid.nx), qy = clamp_axis(p_voxel.y, grid.ny), qz = clamp_axis(p_voxel.z, grid.nz);
+    const F qx = clamp_axis(p_voxel.x, grid.nx), qy = clamp_axis(p_voxel.y, grid.ny),
+            qz = clamp_axis(p_voxel.z, grid.nz);
     const I ix = base_axis(qx, grid.nx), iy = base_axis(qy, grid.ny), iz = base_axis(qz, grid.nz);
     const I index = ix + (iy + iz * I(grid.ny)) * I(grid.nx);
     const auto row = [&](int offset) {
@@ -40,7 +41,10 @@ LUMISWEEP_HD Corners<F> corners_at(const GridView<Voxel>& grid, const Vec3<F>& p
             pair.second = pair.first;
         return pair;
     };
-    return {row(0), row(grid.stride_y), row(grid.stride_z), row(grid.stride_y + grid.stride_z),
+    return {row(0),
+            row(grid.stride_y),
+            row(grid.stride_z),
+            row(grid.stride_y + grid.stride_z),
             {qx - to_float(ix), qy - to_float(iy), qz - to_float(iz)}};
 }
 
@@ -55,8 +59,10 @@ template <class F, class Voxel>
 LUMISWEEP_HD F trilinear(const GridView<Voxel>& grid, const Vec3<F>& p_voxel)
 {
     const Corners<F> c = corners_at<F>(grid, p_voxel);
-    const F y0 = lerp(lerp(c.v00.first, c.v00.second, c.fraction.x), lerp(c.v10.first, c.v10.second, c.fraction.x), c.fraction.y);
-    const F y1 = lerp(lerp(c.v01.first, c.v01.second, c.fraction.x), lerp(c.v11.first, c.v11.second, c.fraction.x), c.fraction.y);
+    const F y0 = lerp(lerp(c.v00.first, c.v00.second, c.fraction.x), lerp(c.v10.first, c.v10.second, c.fraction.x),
+                      c.fraction.y);
+    const F y1 = lerp(lerp(c.v01.first, c.v01.second, c.fraction.x), lerp(c.v11.first, c.v11.second, c.fraction.x),
+                      c.fraction.y);
     return lerp(y0, y1, c.fraction.z);
 }
 

@@ -29,8 +29,8 @@ Range voxels_of_cell(int c, int n)
 } // namespace
 
 BoundsGrid::BoundsGrid(const ScalarGrid& volume)
-    : cells_(cells_of(volume.size())),
-      low_(static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y) * static_cast<std::size_t>(cells_.z)),
+    : cells_(cells_of(volume.size())), low_(static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y) *
+                                            static_cast<std::size_t>(cells_.z)),
       high_(low_.size())
 {
     const Vec3i size = volume.size();
@@ -54,8 +54,8 @@ BoundsGrid::BoundsGrid(const ScalarGrid& volume)
                         }
                     }
                 }
-                const std::size_t cell = static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_.x) +
-                                         static_cast<std::size_t>(cx);
+                const std::size_t cell =
+                    static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_.x) + static_cast<std::size_t>(cx);
                 if (low <= high) {
                     const double a = volume.slope() * low + volume.intercept();
                     const double b = volume.slope() * high + volume.intercept();

@@ -1,16 +1,16 @@
-// Bounds of the data per cell of 4³ voxels, built once a volume, and majorants of extinction, built once a transfer function.
+// Bounds of the data per cell of 4³ voxels, built once a volume, and majorants of extinction, built once a transfer
+// function.
 #pragma once
 
 #include "lumisweep/base/aligned.h"
-#include "lumisweep/math/lanes.h"
 #include "lumisweep/math/vec.h"
 #include "lumisweep/volume/scalar_grid.h"
 #include "lumisweep/volume/transfer_function.h"
 
 namespace lumisweep {
 
-/// Voxels per majorant cell along each axis. On the CT head 4 gives 1.6 times the paths of 8 a second: half the tentative
-/// collisions at the surface of dense bone.
+/// Voxels per majorant cell along each axis. On the CT head 4 gives 1.6 times the paths of 8 a second: half the
+/// tentative collisions at the surface of dense bone.
 inline constexpr int majorant_cell = 4;
 
 /// The smallest and largest finite value (data units) that trilinear interpolation can take within each cell: over the

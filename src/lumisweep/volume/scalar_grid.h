@@ -1,9 +1,10 @@
 // The volume: a regular grid of scalar voxels in their own type, placed in the world.
 //
-// Spaces. p_voxel: voxel (i, j, k) covers [i, i+1) × [j, j+1) × [k, k+1) and its sample sits at the centre, so the volume's
-// box is [0, size]. p_world: the file's physical space (ITK's: LPS millimetres). Linear storage, x fastest.
-// Values. value = slope · raw + intercept, in the data's own units. Trilinear interpolation between centres, clamped to the
-// edge voxel outside of them. Non-finite voxels (float only) are NaN here, and empty wherever interpolation touches them.
+// Spaces. p_voxel: voxel (i, j, k) covers [i, i+1) × [j, j+1) × [k, k+1) and its sample sits at the centre, so the
+// volume's box is [0, size]. p_world: the file's physical space (ITK's: LPS millimetres). Linear storage, x fastest.
+// Values. value = slope · raw + intercept, in the data's own units. Trilinear interpolation between centres, clamped to
+// the edge voxel outside of them. Non-finite voxels (float only) are NaN here, and empty wherever interpolation touches
+// them.
 #pragma once
 
 #include <cstddef>
@@ -24,9 +25,11 @@ class ScalarGrid {
 public:
     ScalarGrid() = default;
 
-    /// Takes zeroed storage for size.x · size.y · size.z voxels. Throws Error when a side is < 1, when there are more than
-    /// 2^31 − 1 voxels or more than 8192 along x or y or 4096 along z, or when world_from_voxel is singular or not finite.
-    ScalarGrid(VoxelType type, Vec3i size, const Affine3d& world_from_voxel, double slope = 1.0, double intercept = 0.0);
+    /// Takes zeroed storage for size.x · size.y · size.z voxels. Throws Error when a side is < 1, when there are more
+    /// than 2^31 − 1 voxels or more than 8192 along x or y or 4096 along z, or when world_from_voxel is singular or not
+    /// finite.
+    ScalarGrid(VoxelType type, Vec3i size, const Affine3d& world_from_voxel, double slope = 1.0,
+               double intercept = 0.0);
 
     VoxelType type() const { return type_; }
     const Vec3i& size() const { return size_; }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "lumisweep/base/error.h"
+#include "lumisweep/volume/transfer_function_view.h"
 
 namespace lumisweep {
 
@@ -30,12 +31,14 @@ void validate(const std::vector<TransferPoint>& points, double extinction_scale)
         require(std::isfinite(p.value) && std::fabs(p.value) <= 1e30,
                 "transfer_function.points[{}].value: {} is not usable (give a finite number)", i, p.value);
         require(i == 0 || points[i - 1].value <= p.value,
-                "transfer_function.points[{}].value: {} is below the point before it (sort the points by value)", i, p.value);
+                "transfer_function.points[{}].value: {} is below the point before it (sort the points by value)", i,
+                p.value);
         require(std::isfinite(p.extinction) && p.extinction >= 0.0 && p.extinction <= 1e30 &&
                     p.extinction * extinction_scale <= 1e30,
-                "transfer_function.points[{}].extinction: {} is not usable (give a number from 0 to 1e30)", i, p.extinction);
-        require(in_unit_range(p.albedo), "transfer_function.points[{}].albedo: ({}, {}, {}) leaves [0, 1]", i, p.albedo.x,
-                p.albedo.y, p.albedo.z);
+                "transfer_function.points[{}].extinction: {} is not usable (give a number from 0 to 1e30)", i,
+                p.extinction);
+        require(in_unit_range(p.albedo), "transfer_function.points[{}].albedo: ({}, {}, {}) leaves [0, 1]", i,
+                p.albedo.x, p.albedo.y, p.albedo.z);
     }
 }
 
@@ -80,8 +83,9 @@ void TransferFunction::build_tables()
     for (int bins = 16;; bins *= 2) {
         const float inverse_bin = last > first ? static_cast<float>(bins) / (last - first) : 0.0F;
         std::vector<std::int32_t> hints(static_cast<std::size_t>(bins));
-        // A value falls into the bin that the kernel's own arithmetic says; that is monotonic in the value, so the bins of
-        // the knots delimit what each bin can hold: segments from the last knot of an earlier bin to its own last knot.
+        // A value falls into the bin that the kernel's own arithmetic says; that is monotonic in the value, so the bins
+        // of the knots delimit what each bin can hold: segments from the last knot of an earlier bin to its own last
+        // knot.
         const auto bin_of = [&](float v) {
             const float b = (v - first) * inverse_bin;
             return b > 0.0F ? static_cast<int>(std::min(b, static_cast<float>(bins - 1))) : 0;
@@ -118,7 +122,8 @@ TransferFunction::Material TransferFunction::evaluate(double value) const
     const TransferPoint& a = after[-1];
     const TransferPoint& b = after[0];
     const double t = (value - a.value) / (b.value - a.value);
-    return {(a.extinction + (b.extinction - a.extinction) * t) * extinction_scale_, a.albedo + (b.albedo - a.albedo) * t};
+    return {(a.extinction + (b.extinction - a.extinction) * t) * extinction_scale_,
+            a.albedo + (b.albedo - a.albedo) * t};
 }
 
 double TransferFunction::max_extinction(double low, double high) const

@@ -5,18 +5,19 @@
 #include <vector>
 
 #include "lumisweep/math/vec.h"
-#include "lumisweep/volume/transfer_function_view.h"
 
 namespace lumisweep {
 
+struct TransferFunctionView; // volume/transfer_function_view.h
+
 struct TransferPoint {
-    double value = 0.0;         ///< data units
-    double extinction = 0.0;    ///< 1 / world unit, before extinction_scale
-    Vec3d albedo{1.0, 1.0, 1.0};///< [0, 1] per channel
+    double value = 0.0;          ///< data units
+    double extinction = 0.0;     ///< 1 / world unit, before extinction_scale
+    Vec3d albedo{1.0, 1.0, 1.0}; ///< [0, 1] per channel
 };
 
-/// Piecewise linear between points sorted by value, clamped outside the first and the last. Two points may share a value:
-/// a step, whose upper side holds from that value on.
+/// Piecewise linear between points sorted by value, clamped outside the first and the last. Two points may share a
+/// value: a step, whose upper side holds from that value on.
 class TransferFunction {
 public:
     struct Material {

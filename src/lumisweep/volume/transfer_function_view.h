@@ -8,19 +8,19 @@
 
 namespace lumisweep {
 
-/// K points make K + 1 segments: segment 0 lies below the first point, segment s in [value s−1, value s), segment K above.
-/// Within a segment y(v) = y_knot + (v − knot) · slope, so steps and close points cost no accuracy, unlike a resampled table.
-/// Memory: table [9][stride] float: knot, extinction, its slope, then albedo and its slope for r, g, b; knot [stride − 1] is
-/// +infinity. hints [bin_count]: the first segment that a uniform bin of [first, last] can need; search_steps comparisons
-/// find the segment from there.
+/// K points make K + 1 segments: segment 0 lies below the first point, segment s in [value s−1, value s), segment K
+/// above. Within a segment y(v) = y_knot + (v − knot) · slope, so steps and close points cost no accuracy, unlike a
+/// resampled table. Memory: table [9][stride] float: knot, extinction, its slope, then albedo and its slope for r, g,
+/// b; knot [stride − 1] is +infinity. hints [bin_count]: the first segment that a uniform bin of [first, last] can
+/// need; search_steps comparisons find the segment from there.
 struct TransferFunctionView {
     const float* table = nullptr;
     const std::int32_t* hints = nullptr;
     int stride = 0;
     int bin_count = 0;
     int search_steps = 0;
-    float first = 0.0F;       ///< value of the first point
-    float inverse_bin = 0.0F; ///< bins per data unit
+    float first = 0.0F;                   ///< value of the first point
+    float inverse_bin = 0.0F;             ///< bins per data unit
     float slope = 1.0F, intercept = 0.0F; ///< value = slope · raw + intercept
 };
 

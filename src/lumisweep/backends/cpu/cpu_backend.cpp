@@ -9,6 +9,7 @@
 #include "lumisweep/backends/cpu/tile.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
+#include "lumisweep/render/backend.h"
 
 namespace lumisweep {
 
@@ -29,9 +30,7 @@ constexpr InstructionSet instruction_sets[] = {
                 __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
      }},
     {"avx2", render_tile_avx2,
-     [] {
-         return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
-     }},
+     [] { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"); }},
 #endif
     {"baseline", render_tile_baseline, [] { return true; }},
 };
@@ -54,13 +53,14 @@ public:
         tbb::enumerable_thread_specific<PassCounts> thread_counts;
         std::atomic<bool> stopped = false;
         parallel_for(0, columns * rows, [&](int t) {
-            if (stopped.load(std::memory_order_relaxed) || (cancel != nullptr && cancel->load(std::memory_order_relaxed))) {
+            if (stopped.load(std::memory_order_relaxed) ||
+                (cancel != nullptr && cancel->load(std::memory_order_relaxed))) {
                 stopped.store(true, std::memory_order_relaxed);
                 return;
             }
             const int x0 = t % columns * side, y0 = t / columns * side;
-            set_.render_tile(scene, samples, pass,
-                             {x0, y0, std::min(x0 + side, width), std::min(y0 + side, height)}, thread_counts.local());
+            set_.render_tile(scene, samples, pass, {x0, y0, std::min(x0 + side, width), std::min(y0 + side, height)},
+                             thread_counts.local());
         });
         for (const PassCounts& c : thread_counts)
             counts += c;

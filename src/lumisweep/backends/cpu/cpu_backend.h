@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "lumisweep/render/backend.h"
-
 namespace lumisweep {
+
+class Backend; // render/backend.h
 
 /// Instruction sets that this build has and this machine runs, best first: "avx512", "avx2", "baseline".
 std::vector<std::string> available_isas();

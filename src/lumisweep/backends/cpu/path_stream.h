@@ -1,8 +1,9 @@
-// The CPU schedule: a stream of about a thousand paths in structure-of-arrays form; every round takes each path to its next
-// tentative collision and through it, then packs the survivors together. Camera and shadow segments share the rounds.
+// The CPU schedule: a stream of about a thousand paths in structure-of-arrays form; every round takes each path to its
+// next tentative collision and through it, then packs the survivors together. Camera and shadow segments share the
+// rounds.
 //
-// Included once per instruction set with that set's lane type. No standard containers and no out-of-line helpers here: their
-// code would carry the instruction set's flags and could be chosen by the linker for everyone.
+// Included once per instruction set with that set's lane type. No standard containers and no out-of-line helpers here:
+// their code would carry the instruction set's flags and could be chosen by the linker for everyone.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +44,8 @@ struct PathQueue {
     LUMISWEEP_HD void append(const mask_of<F>& on, PathState<F>& path)
     {
         Cursor cursor{*this, size};
-        path.for_each_field([&](auto& field) __attribute__((always_inline)) { compress_store(cursor.place(field), on, field); });
+        path.for_each_field([&](auto& field)
+                                __attribute__((always_inline)) { compress_store(cursor.place(field), on, field); });
         size += count(on);
     }
 };
@@ -67,7 +69,8 @@ public:
             step();
             scatter_all();
         }
-        counts_.paths += static_cast<std::uint64_t>(tile_.x1 - tile_.x0) * static_cast<std::uint64_t>(tile_.y1 - tile_.y0);
+        counts_.paths +=
+            static_cast<std::uint64_t>(tile_.x1 - tile_.x0) * static_cast<std::uint64_t>(tile_.y1 - tile_.y0);
     }
 
 private:
@@ -101,7 +104,8 @@ private:
         }
     }
 
-    /// One tentative collision for (almost) every path: a group goes on while more than a quarter of its lanes lack one.
+    /// One tentative collision for (almost) every path: a group goes on while more than a quarter of its lanes lack
+    /// one.
     LUMISWEEP_HD void step()
     {
         const int size = active_.size;

@@ -1,10 +1,10 @@
-#include "lumisweep/math/lanes_avx2.h"
 #include "lumisweep/backends/cpu/path_stream.h"
+#include "lumisweep/math/lanes_avx2.h"
 
 namespace lumisweep {
 
 void render_tile_avx2(const SceneView& scene, const SampleView& samples, const PassKey& pass, const Tile& tile,
-                    PassCounts& counts)
+                      PassCounts& counts)
 {
     render_tile<Avx2Float>(scene, samples, pass, tile, counts);
 }

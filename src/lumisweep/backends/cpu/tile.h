@@ -1,7 +1,8 @@
 // What the scheduler of one instruction set offers to the CPU backend.
 #pragma once
 
-#include "lumisweep/render/backend.h"
+#include "lumisweep/render/pass.h"
+#include "lumisweep/render/scene_view.h"
 
 namespace lumisweep {
 

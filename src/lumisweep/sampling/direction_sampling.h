@@ -142,9 +142,15 @@ LUMISWEEP_HD Descent<F> descend_joint(const JointView& joint, const int_of<F>& c
 template <class F>
 LUMISWEEP_HD UV<F> uv_of(const Descent<F>& at, int level)
 {
+    using I = int_of<F>;
     const auto xy = morton_decode(at.node);
     const F scale = F(1.0F / static_cast<float>(1 << level));
-    return {(to_float(xy.x) + at.uv.u) * scale, (to_float(xy.y) + at.uv.v) * scale};
+    // The sum may round up to the neighbour's edge: at most the number before it.
+    const auto within = [&](const I& node, const F& fraction) {
+        const F before_next = as_float(as_int(to_float(node + I(1))) - I(1));
+        return min(to_float(node) + fraction, before_next) * scale;
+    };
+    return {within(xy.x, at.uv.u), within(xy.y, at.uv.v)};
 }
 
 /// The Morton index of the node of a level that holds an octahedral point.

@@ -66,7 +66,8 @@ void TransferFunction::build_tables()
         const bool flat = s == 0 || s == k || static_cast<float>(left.value) == static_cast<float>(right.value);
         const auto put = [&](int field, double y0, double y1) {
             set(field, s, y0);
-            set(field + 1, s, flat ? 0.0 : (y1 - y0) / width);
+            // A flank too steep for single precision stays finite, so that 0 · slope is 0 at its knot.
+            set(field + 1, s, flat ? 0.0 : std::clamp((y1 - y0) / width, -1e38, 1e38));
         };
         set(0, s, left.value);
         put(1, left.extinction * extinction_scale_, right.extinction * extinction_scale_);

@@ -45,7 +45,8 @@ LUMISWEEP_HD TransferSegment<F> find_segment(const TransferFunctionView& tf, con
     return {s, value - gather(tf.table, s)};
 }
 
-/// σt in 1/world unit at a raw (not yet scaled) value; 0 for NaN.
+/// σt in 1/world unit at a raw (not yet scaled) value; 0 for NaN, and for the infinities that interpolating huge voxels
+/// brings. Never negative: near the end of a falling flank rounding may cancel to below 0, which would amplify light.
 template <class F>
 LUMISWEEP_HD F extinction_at(const TransferFunctionView& tf, const F& raw)
 {
@@ -53,7 +54,8 @@ LUMISWEEP_HD F extinction_at(const TransferFunctionView& tf, const F& raw)
     const TransferSegment<F> s = find_segment(tf, value);
     const F y = gather(tf.table + tf.stride, s.index);
     const F slope = gather(tf.table + 2 * tf.stride, s.index);
-    return select(value == value, fma(s.offset, slope, y), F(0.0F));
+    constexpr float largest = 3.40282347e38F;
+    return select(abs(value) <= F(largest), max(fma(s.offset, slope, y), F(0.0F)), F(0.0F));
 }
 
 /// What a scattering event needs to know of the material.

@@ -49,9 +49,8 @@ bool DirectionSweep::run(const Vec3d& w_world, double tan_beta, SweepFilter filt
         if (filter_kind != SweepFilter::none) {
             const Stopwatch watch(stats_.filter_s);
             const double widening_world = depth * geometry.slice_world * tan_beta;
-            slice_filter.apply(slice_.data(),
-                               1.0 + (std::fabs(geometry.u.slope) * cell_w_ + widening_world / side_u) / cell_u_,
-                               1.0 + (std::fabs(geometry.v.slope) * cell_w_ + widening_world / side_v) / cell_v_);
+            slice_filter.apply(slice_.data(), 1.0 + widening_world / (side_u * cell_u_),
+                               1.0 + widening_world / (side_v * cell_v_));
         }
         const Stopwatch watch(stats_.lookup_s);
         store(slice);

@@ -194,5 +194,23 @@ TEST(Homogeneous, LightComesFromWhereItIs)
     }
 }
 
+// Behind the volume stands the environment, the right way round: each texel's centre shows that texel and no other.
+TEST(Homogeneous, BackgroundIsWhereItsLightComesFrom)
+{
+    Affine3d turned = test::centered({2, 2, 2}, {1.0, 1.0, 1.0});
+    turned.column = {{{0.0, 0.0, -1.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}};
+    SessionInput input = with_image(test::homogeneous({2, 2, 2}, turned, 0.0, white), 4);
+    const int n = 8;
+    for (int lit = 0; lit < n * n; lit += 7) {
+        input.environment = test::one_texel_light(n, texel_direction(lit, n), {3.0, 2.0, 1.0});
+        for (int seen = 0; seen < n * n; ++seen) {
+            input.camera = needle({0.1, 0.2, 0.3}, Vec3d{0.1, 0.2, 0.3} + texel_direction(seen, n));
+            const auto session = test::rendered(input, 2);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_EQ(test::overall(session->film(), c).mean, seen == lit ? 3.0 - c : 0.0) << lit << " " << seen;
+        }
+    }
+}
+
 } // namespace
 } // namespace lumisweep

@@ -81,7 +81,8 @@ LUMISWEEP_HD std::uint32_t bits(Avx512Mask m) { return m.m; }
 template <>
 LUMISWEEP_HD Avx512Mask first_lanes<Avx512Float>(int n)
 {
-    return Avx512Mask(static_cast<__mmask16>(n >= 16 ? 0xffffU : (1U << n) - 1U));
+    const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    return Avx512Mask(_mm512_cmplt_epi32_mask(lane, _mm512_set1_epi32(n)));
 }
 
 LUMISWEEP_HD Avx512Float min(Avx512Float a, Avx512Float b) { return _mm512_min_ps(b.v, a.v); }

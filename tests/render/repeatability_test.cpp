@@ -242,6 +242,9 @@ TEST(Repeatability, RefusesWhatMakesNoSense)
     refuses([](SessionInput& i) { i.image.width = 0; });
     refuses([](SessionInput& i) { i.visibility.cell = 0; });
     refuses([](SessionInput& i) { i.visibility.directions = 7; });
+    refuses([](SessionInput& i) { i.visibility.epsilon = 0.0; });
+    refuses([](SessionInput& i) { i.visibility.epsilon = 1e-50; }); // zero in single precision: light would be lost
+    refuses([](SessionInput& i) { i.visibility.epsilon = std::nan(""); });
     EXPECT_ANY_THROW(make_cpu_backend("sse9"));
     Session session(input, backend);
     EXPECT_ANY_THROW(session.replace_visibility(VisibilityGrid({8, 8, 8}, 4, 8)));

@@ -1,4 +1,6 @@
 // lumisweep render: a scene to images.
+#include <charconv>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -36,6 +38,27 @@ struct RenderOptions {
     std::optional<int> width, height;
 };
 
+template <class Number>
+std::optional<Number> parse(const std::string& text)
+{
+    Number number{};
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, number);
+    return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
+}
+
+// In place of CLI11's checks, which take NaN for positive and name the largest double in their messages.
+std::string require_positive(const std::string& text)
+{
+    const auto number = parse<double>(text);
+    return number && *number > 0.0 && std::isfinite(*number) ? "" : text + " is no positive number";
+}
+
+std::string require_seed(const std::string& text)
+{
+    return parse<std::uint64_t>(text) ? "" : text + " is no whole number from 0 to 18446744073709551615";
+}
+
 void add_options(CLI::App& app, RenderOptions& options)
 {
     add_scene_options(app, options.scene);
@@ -46,25 +69,24 @@ void add_options(CLI::App& app, RenderOptions& options)
     for (const Strategy s :
          {Strategy::uniform, Strategy::environment, Strategy::visibility, Strategy::combined, Strategy::two_step})
         strategies[name_of(s)] = s;
-    app.add_option("--strategy", options.strategy,
-                   "How directions towards the light are chosen: two-step when left out")
-        ->transform(CLI::CheckedTransformer(strategies).description(""))
+    app.add_option_function<std::string>(
+           "--strategy", [&options, strategies](const std::string& name) { options.strategy = strategies.at(name); },
+           "How directions towards the light are chosen: two-step when left out")
+        ->check(CLI::IsMember(strategies).description(""))
         ->type_name("uniform|environment|visibility|combined|two-step");
     auto* samples =
         app.add_option("--samples", options.samples, "Stop after N samples a pixel (64 when nothing is given)")
             ->check(CLI::Range(std::int64_t{1}, std::int64_t{2147483647}))
             ->type_name("N");
     auto* time = app.add_option("--time", options.time_s, "Stop after so many seconds of rendering")
-                     ->check(CLI::PositiveNumber)
+                     ->check(require_positive)
                      ->type_name("SECONDS");
     auto* noise = app.add_option("--noise", options.noise, "Stop at this estimated relative error of the image")
-                      ->check(CLI::PositiveNumber)
+                      ->check(require_positive)
                       ->type_name("REL");
     samples->excludes(time)->excludes(noise);
     time->excludes(noise);
-    app.add_option("--seed", options.seed, "Seed of the random numbers")
-        ->check(CLI::NonNegativeNumber) // CLI11 would wrap negative ones around
-        ->type_name("N");
+    app.add_option("--seed", options.seed, "Seed of the random numbers")->check(require_seed)->type_name("N");
     app.add_option("--width", options.width, "Image width in pixels")->check(CLI::Range(1, 16384))->type_name("W");
     app.add_option("--height", options.height, "Image height in pixels")->check(CLI::Range(1, 16384))->type_name("H");
     app.add_option("--stats", options.stats, "Timings and counts of this run")->type_name("FILE.json");
@@ -184,6 +206,7 @@ void render(RenderOptions options)
         write_images(options.outputs, session, result, header);
         if (!options.stats.empty())
             write_stats(options.stats, session, result, loaded.load_s, tbb::this_task_arena::max_concurrency());
+        require(result.checkpoint_failure.empty(), "{}", result.checkpoint_failure); // the image is safe
     });
 }
 

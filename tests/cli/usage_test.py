@@ -23,7 +23,8 @@ class Usage(ProgramTest):
         for arguments in ([], ["rendr"], ["render"], ["render", "scene.json", "--nonsense"], ["render", "scene.json", "--samples", "0"],
                           ["render", "scene.json", "--samples", "many"], ["render", "scene.json", "--strategy", "best"],
                           ["render", "scene.json", "--samples", "4", "--time", "2"], ["render", "scene.json", "--time", "-1"],
-                          ["render", "scene.json", "--noise", "0.1", "--samples", "3"], ["render", "scene.json", "--width", "0"],
+                          ["render", "scene.json", "--noise", "0.1", "--samples", "3"], ["render", "scene.json", "--noise", "nan"],
+                          ["render", "scene.json", "--time", "inf"], ["render", "scene.json", "--width", "0"],
                           ["render", "scene.json", "--threads", "0"], ["render", "scene.json", "--seed", "-1"], ["render", "scene.json", "--device", "abacus"],
                           ["render", "scene.json", "-o", "out.jpg"], ["render", "scene.json", "--set", "samples"],
                           ["compare", "one.exr"], ["info"]):

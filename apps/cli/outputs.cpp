@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
@@ -16,7 +19,6 @@
 #include "lumisweep/image/exr.h"
 #include "lumisweep/image/png.h"
 #include "lumisweep/image/tonemap.h"
-#include "lumisweep/render/backend.h"
 #include "lumisweep/render/backend.h"
 
 namespace lumisweep::cli {
@@ -97,6 +99,13 @@ void require_writable(const fs::path& file)
     const bool plain = !there || fs::is_regular_file(file, ignored);
     require((!plain || ::access(folder.c_str(), W_OK | X_OK) == 0) && (!there || ::access(file.c_str(), W_OK) == 0),
             "{}: cannot be written (check the permissions)", file.string());
+    if (there)
+        return;
+    // Permissions do not say all: some file systems take no new files, whoever asks.
+    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    require(descriptor >= 0, "{}: cannot be created, {} (check the folder)", file.string(), std::strerror(errno));
+    ::close(descriptor);
+    ::unlink(file.c_str());
 }
 
 void write_images(const std::vector<std::string>& files, const Session& session, const RenderResult& result,

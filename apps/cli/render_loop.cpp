@@ -4,7 +4,10 @@
 #include <chrono>
 #include <cmath>
 
+#include <spdlog/spdlog.h>
+
 #include "interrupt.h"
+#include "lumisweep/base/error.h"
 #include "progress.h"
 
 namespace lumisweep::cli {
@@ -59,6 +62,27 @@ private:
     std::int64_t first_sample_;
 };
 
+void offer(CheckpointWriter& checkpoints, const Film& film, RenderResult& result)
+{
+    try {
+        checkpoints.offer(film);
+    } catch (const Error& error) {
+        if (result.checkpoint_failure.empty())
+            spdlog::warn("{}; rendering goes on", error.what());
+        result.checkpoint_failure = error.what();
+    }
+}
+
+void finish(CheckpointWriter& checkpoints, const Film& film, RenderResult& result)
+{
+    try {
+        checkpoints.finish(film);
+        result.checkpoint_failure.clear();
+    } catch (const Error& error) {
+        result.checkpoint_failure = error.what();
+    }
+}
+
 } // namespace
 
 RenderResult render_until(Session& session, const StopCriterion& stop, CheckpointWriter* checkpoints)
@@ -77,13 +101,13 @@ RenderResult render_until(Session& session, const StopCriterion& stop, Checkpoin
         }
         session.render_pass();
         if (checkpoints != nullptr)
-            checkpoints->offer(session.film());
+            offer(*checkpoints, session.film(), result);
         result.render_s = std::chrono::duration<double>(Clock::now() - begin).count();
         if (progress.due(result.render_s))
             progress.draw(stopping.progress(result.render_s));
     }
     if (checkpoints != nullptr)
-        checkpoints->finish(session.film());
+        finish(*checkpoints, session.film(), result);
     return result;
 }
 

@@ -4,7 +4,7 @@ import subprocess
 import time
 import unittest
 
-from program import PROGRAM, ProgramTest, read_exr
+from program import PROGRAM, ProgramTest, read_exr, run
 
 SAMPLES = "200"
 SIZE = ("--width", "160", "--height", "120", "--samples", SAMPLES)
@@ -52,6 +52,14 @@ class Resume(ProgramTest):
         self.assertEqual(read_exr(self.folder / "o.exr")[1], at_once)
         process = self.expect_success("render", "scene.json", *small, "--samples", "3", "--resume", "c.ckpt")
         self.assertIn("has 12 samples a pixel already", process.stderr)
+
+    def test_a_checkpoint_that_cannot_be_written_costs_no_image(self):
+        (self.folder / "c.ckpt.partial").mkdir()  # where it is written first
+        process = run("render", "scene.json", "--width", "20", "--height", "20", "--samples", "3", "-q", "-o", "kept.exr",
+                      "--checkpoint", "c.ckpt", cwd=self.folder)
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("cannot write the checkpoint", process.stderr.splitlines()[-1])
+        self.assertEqual(read_exr(self.folder / "kept.exr")[0]["samplesPerPixel"], 3)
 
     def test_refuses_what_does_not_belong(self):
         small = ("--width", "20", "--height", "20", "--samples", "2", "-o", "o.exr", "-q")

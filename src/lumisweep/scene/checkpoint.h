@@ -37,7 +37,7 @@ public:
 
     /// After a pass. Throws the Error of an earlier write that failed.
     void offer(const Film& film);
-    /// Waits for what is under way, then writes `film`. Throws Error when a write failed.
+    /// Waits for what is under way, then writes `film` unless that was the last write. Throws Error when it cannot.
     void finish(const Film& film);
 
 private:

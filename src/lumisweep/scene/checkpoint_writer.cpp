@@ -76,8 +76,8 @@ void CheckpointWriter::finish(const Film& film)
 {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return !pending_; });
-    rethrow_failure();
-    if (copy_.width() == 0 || copy_.samples() != film.samples()) // else it is on disk already
+    const bool failed = std::exchange(failure_, nullptr) != nullptr;       // the disk may have room by now
+    if (failed || copy_.width() == 0 || copy_.samples() != film.samples()) // else it is on disk already
         write_checkpoint(file_, film, fingerprint_);
 }
 

@@ -139,6 +139,17 @@ TEST(Dicom, RepeatedPositionsKeepTheFirst)
     EXPECT_THAT(v.warnings, Contains(HasSubstr("1 slices repeat a position")));
 }
 
+TEST(Dicom, RepeatedPositionsKeepTheLowestNumberWhateverTheFileNames)
+{
+    const TempDir dir;
+    for (int k = 0; k < 3; ++k) {
+        dir.write("s/later" + std::to_string(k), ct_slice(k, k).bytes());
+        DicomFile second_moment = ct_slice(k + 3, k);
+        dir.write((k == 1 ? "s/earlier" : "s/much_later") + std::to_string(k), second_moment.bytes());
+    }
+    expect_ramp(load(dir / "s").grid, {5, 4, 3});
+}
+
 TEST(Dicom, GantryTiltKeepsTheShearExactly)
 {
     const TempDir dir;

@@ -69,7 +69,8 @@ TEST(Nifti, PlainPackedAndBigEndian)
     big.big_endian = true;
     const std::string a = little.bytes() + bytes_of(ramp<std::int16_t>(5, 4, 3));
     const std::vector<std::filesystem::path> files{
-        dir.write("a.nii", a), dir.write("b.nii.gz", deflated(a, Wrapping::gzip)),
+        dir.write("a.nii", a), dir.write("b.nii.gz", deflated(a, Wrapping::gzip)), dir.write("unpacked.nii.gz", a),
+        dir.write("packed.nii", deflated(a, Wrapping::gzip)),
         dir.write("c.nii", big.bytes() + swapped_bytes_of(ramp<std::int16_t>(5, 4, 3)))};
     for (const auto& file : files) {
         SCOPED_TRACE(file.filename());

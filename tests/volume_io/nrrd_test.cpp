@@ -194,6 +194,23 @@ TEST(NrrdGeometry, WithoutSpace)
     expect_point(sample_position(v.grid, 1, 1, 1), {1, 1, 1});
     EXPECT_EQ(v.warnings.size(), 3U);
     EXPECT_THAT(v.warnings.at(0), HasSubstr("1 mm is assumed"));
+    v = load(dir.write("d.nrrd", nrrd(start + "space: LPS\nspacings: 2 3 4\n", data)));
+    expect_point(sample_position(v.grid, 1, 1, 1), {2, 3, 4});
+    ASSERT_EQ(v.warnings.size(), 1U);
+    EXPECT_THAT(v.warnings.at(0), HasSubstr("LPS axes from origin 0 are assumed"));
+}
+
+TEST(NrrdGeometry, OtherUnitsAreSaid)
+{
+    const TempDir dir;
+    const std::string start = "type: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nspace: LPS\n"
+                              "space directions: (2,0,0) (0,2,0) (0,0,2)\nspace units: ";
+    const std::string data(8, 'x');
+    EXPECT_THAT(load(dir.write("a.nrrd", nrrd(start + "\"mm\" \"mm\" \"mm\"\n", data))).warnings, IsEmpty());
+    const LoadedVolume v = load(dir.write("b.nrrd", nrrd(start + "\"um\" \"um\" \"um\"\n", data)));
+    expect_point(sample_position(v.grid, 1, 1, 1), {2, 2, 2});
+    ASSERT_EQ(v.warnings.size(), 1U);
+    EXPECT_THAT(v.warnings.at(0), HasSubstr("units other than mm"));
 }
 
 TEST(NrrdGeometry, TwoDimensionalImageIsOneSlice)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <limits>
 
 #include <fcntl.h>
@@ -144,6 +145,12 @@ void ByteSource::check_end()
         begin_ = end_ = 0;
         inflate_more();
     }
+}
+
+Compression gzip_or_none(const std::filesystem::path& path)
+{
+    std::ifstream in(path, std::ios::binary);
+    return in.get() == 0x1f && in.get() == 0x8b ? Compression::deflate : Compression::none;
 }
 
 void require_plausible_size(const std::filesystem::path& path, std::uint64_t offset, Compression compression,

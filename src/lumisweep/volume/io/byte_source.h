@@ -44,6 +44,9 @@ private:
     std::size_t begin_ = 0, end_ = 0;
 };
 
+/// deflate when the file begins with gzip's magic bytes, whatever its name.
+Compression gzip_or_none(const std::filesystem::path& path);
+
 /// Throws Error unless `path` can hold `bytes` of data from `offset` on: exactly for uncompressed data, up to deflate's
 /// largest ratio (1032 : 1) for compressed ones. Catches truncated files and lying headers before memory is taken.
 void require_plausible_size(const std::filesystem::path& path, std::uint64_t offset, Compression compression,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "lumisweep/base/error.h"
 
@@ -77,8 +78,11 @@ SliceStack stack_slices(const DicomSeries& series, const std::string& where, std
             warnings.push_back(
                 fmt::format("{}: slices without a position are stacked by number, {} mm apart", where, distance));
     }
-    std::stable_sort(slices.begin(), slices.end(),
-                     [&](const auto& a, const auto& b) { return dot(a.position, normal) < dot(b.position, normal); });
+    // By number where positions repeat, so that a time series, whose first slices are kept, gives one moment.
+    std::stable_sort(slices.begin(), slices.end(), [&](const auto& a, const auto& b) {
+        return std::make_pair(dot(a.position, normal), a.instance) <
+               std::make_pair(dot(b.position, normal), b.instance);
+    });
     if (const std::size_t dropped = drop_duplicates(slices, normal); dropped > 0)
         warnings.push_back(fmt::format("{}: {} slices repeat a position and are left out (the first of each is kept)",
                                        where, dropped));

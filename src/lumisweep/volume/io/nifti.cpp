@@ -129,7 +129,7 @@ void read_scale(const nifti_image& image, VolumeHeader& header, const std::strin
 OpenedVolume open_nifti(const fs::path& path)
 {
     const std::string where = path.string();
-    const Compression compression = path.extension() == ".gz" ? Compression::deflate : Compression::none;
+    const Compression compression = gzip_or_none(path); // downloads often gain or lose ".gz" alone
     const nifti_1_header raw = read_checked_header(path, compression);
     nifti_set_debug_level(0); // no messages on stderr
     const std::unique_ptr<nifti_image, NiftiDelete> image(nifti_convert_nhdr2nim(raw, path.c_str()));

@@ -42,6 +42,15 @@ bool has_direction(const Nrrd& nrrd, unsigned axis)
     return spatial || nrrd.spaceDim <= 3;
 }
 
+/// A space may be named without any direction in it; spacings are all there is then.
+bool is_oriented(const Nrrd& nrrd)
+{
+    for (unsigned a = 0; a < nrrd.dim; ++a)
+        if (nrrd.spaceDim > 0 && has_direction(nrrd, a))
+            return true;
+    return false;
+}
+
 AxisRole role_of(const Nrrd& nrrd, unsigned axis, unsigned spatial_so_far)
 {
     const NrrdAxisInfo& info = nrrd.axis[axis];
@@ -51,7 +60,7 @@ AxisRole role_of(const Nrrd& nrrd, unsigned axis, unsigned spatial_so_far)
         return info.size == 1 ? AxisRole::single : AxisRole::component;
     if (info.kind == nrrdKindList || info.kind == nrrdKindTime)
         return AxisRole::frames;
-    if (nrrd.spaceDim > 0)
+    if (is_oriented(nrrd))
         return has_direction(nrrd, axis) ? AxisRole::space : AxisRole::frames;
     return spatial_so_far < 3 ? AxisRole::space : AxisRole::frames;
 }
@@ -105,6 +114,9 @@ void place_in_space(const Nrrd& nrrd, const std::vector<unsigned>& axes, std::ar
     require(nrrd.spaceDim == 3 || nrrd.spaceDim == 4 || axes.size() == nrrd.spaceDim,
             "{}: a space of dimension {} (store the volume in 3-D space)", where, nrrd.spaceDim);
     const auto sign = lps_signs(nrrd, header, where);
+    const std::string unit = nrrd.spaceUnits[0] ? nrrd.spaceUnits[0] : "";
+    if (!unit.empty() && unit != "mm" && unit.compare(0, 10, "millimeter") != 0)
+        header.warnings.push_back(fmt::format("{}: space units other than mm; lengths are taken as they are", where));
     const unsigned dimension = std::min(nrrd.spaceDim, 3U);
     for (unsigned c = 0; c < dimension; ++c) {
         for (unsigned i = 0; i < axes.size(); ++i)
@@ -158,10 +170,14 @@ FrameLayout interpret_nrrd_axes(const Nrrd& nrrd, VolumeHeader& header, const st
 
     std::array<Vec3d, 3> step{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     Vec3d origin{0, 0, 0};
-    if (nrrd.spaceDim > 0)
+    if (is_oriented(nrrd)) {
         place_in_space(nrrd, axes, step, origin, header, where);
-    else
+    } else {
+        if (nrrd.spaceDim > 0)
+            header.warnings.push_back(
+                fmt::format("{}: a space without directions in it, LPS axes from origin 0 are assumed", where));
         place_without_space(nrrd, axes, step, origin, header, where);
+    }
     header.world_from_voxel = place_grid(step, origin, where);
 
     // Runs of one frame are as long as all axes before the frame axis together.

@@ -34,6 +34,10 @@ struct DicomSeries {
     std::vector<std::string> warnings;
 };
 
+/// Each frame of a file as a series of its own; empty for what is no DICOM image. Throws Error for images that no
+/// volume can be made of. prepare_dcmtk() comes first.
+std::vector<DicomSeries> read_dicom_header(const std::filesystem::path& file);
+
 /// The largest series in a directory, or the one in a file. What is left out is named in the warnings. Throws Error
 /// when there is none.
 DicomSeries find_dicom_series(const std::filesystem::path& path);

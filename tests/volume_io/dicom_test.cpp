@@ -150,6 +150,30 @@ TEST(Dicom, RepeatedPositionsKeepTheLowestNumberWhateverTheFileNames)
     expect_ramp(load(dir / "s").grid, {5, 4, 3});
 }
 
+TEST(Dicom, PaddingIsNoWallAroundThePatient)
+{
+    const TempDir dir;
+    DicomFile f = ct_slice(0, 0);
+    f.is_signed = 0;
+    f.padding = 63536;
+    f.intercept = "-1024";
+    f.pixels.clear();
+    for (int i = 0; i < 20; ++i)
+        f.pixels += le16(i < 5 ? 63536 : 24 + 10U * unsigned(i));
+    const LoadedVolume high = load(dir.write("high.dcm", f.bytes()));
+    EXPECT_DOUBLE_EQ(high.grid.value(0, 0, 0), 24 + 50 - 1024); // the lowest scanned value
+    EXPECT_DOUBLE_EQ(high.grid.value(4, 3, 0), 24 + 190 - 1024);
+
+    f.padding = 24 + 100; // in the midst of real values: taken for one
+    EXPECT_DOUBLE_EQ(load(dir.write("midst.dcm", f.bytes())).grid.value(0, 2, 0), 24 + 100 - 1024);
+
+    f.is_signed = 1;
+    f.padding = 65536 - 2000;
+    const LoadedVolume low = load(dir.write("low.dcm", f.bytes()));
+    EXPECT_DOUBLE_EQ(low.grid.value(0, 0, 0), -2000 - 1024); // below all others already: as it is
+    EXPECT_DOUBLE_EQ(low.grid.value(4, 3, 0), 24 + 190 - 1024);
+}
+
 TEST(Dicom, GantryTiltKeepsTheShearExactly)
 {
     const TempDir dir;

@@ -34,6 +34,7 @@ struct DicomFile {
     std::string orientation = "1\\0\\0\\0\\1\\0", spacing = "1\\1", thickness, between;
     std::optional<std::string> position = "0\\0\\0", slope, intercept;
     unsigned columns = 5, rows = 4, bits = 16, stored = 16, is_signed = 1, samples = 1;
+    std::optional<unsigned> padding;
     std::string pixels;
     std::string frames;            ///< number of frames; empty in classic files
     std::string functional_groups; ///< elements of group 5200
@@ -65,6 +66,8 @@ struct DicomFile {
             d += element(0x28, 0x30, "DS", spacing);
         d += element(0x28, 0x100, "US", le16(bits)) + element(0x28, 0x101, "US", le16(stored)) +
              element(0x28, 0x102, "US", le16(stored - 1)) + element(0x28, 0x103, "US", le16(is_signed));
+        if (padding)
+            d += element(0x28, 0x120, "US", le16(*padding));
         if (intercept)
             d += element(0x28, 0x1052, "DS", *intercept);
         if (slope)

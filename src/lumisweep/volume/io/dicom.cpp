@@ -1,4 +1,5 @@
 // DICOM: a directory with a series, or one file. DCMTK reads headers and decodes pixels.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -22,6 +23,24 @@ void to_values(const std::byte* stored, double slope, double intercept, std::spa
         std::memcpy(&raw, stored + i * sizeof(T), sizeof(T));
         values[i] = static_cast<float>(slope * static_cast<double>(raw) + intercept);
     }
+}
+
+/// Padding above all real values would stand around the patient like a wall: it becomes the slice's lowest value. Other
+/// padding stays, because 0 is often declared as such although water or noise is stored as 0, too.
+template <class T>
+void lower_padding(std::vector<std::byte>& pixels, T padding)
+{
+    T lowest = padding;
+    for (std::size_t i = 0; i < pixels.size(); i += sizeof(T)) {
+        T v;
+        std::memcpy(&v, pixels.data() + i, sizeof(T));
+        if (v > padding)
+            return;
+        lowest = std::min(lowest, v);
+    }
+    for (std::size_t i = 0; i < pixels.size() && lowest < padding; i += sizeof(T))
+        if (std::memcmp(pixels.data() + i, &padding, sizeof(T)) == 0)
+            std::memcpy(pixels.data() + i, &lowest, sizeof(T));
 }
 
 template <class Function>
@@ -122,11 +141,15 @@ private:
                 "{}: holds {} bytes of pixels where its header promises {} (the file is truncated; copy it again)",
                 where, decoded_.size(), (s.frame + 1) * bytes);
         const std::byte* first = decoded_.data() + s.frame * bytes;
+        std::vector<std::byte> pixels(first, first + bytes);
+        if (s.padding)
+            visit_type(s.type, [&](auto tag) { lower_padding(pixels, static_cast<decltype(tag)>(*s.padding)); });
         if (raw_)
-            return {first, first + bytes};
+            return pixels;
         std::vector<std::byte> values(pixels_ * sizeof(float));
         visit_type(s.type, [&](auto tag) {
-            to_values<decltype(tag)>(first, s.slope, s.intercept, {reinterpret_cast<float*>(values.data()), pixels_});
+            to_values<decltype(tag)>(pixels.data(), s.slope, s.intercept,
+                                     {reinterpret_cast<float*>(values.data()), pixels_});
         });
         return values;
     }
@@ -177,8 +200,8 @@ OpenedVolume open_dicom(const std::filesystem::path& path)
     std::uint64_t frames_in_file = 1;
     for (const DicomSlice& s : stack.slices)
         frames_in_file = std::max(frames_in_file, s.frame + 1);
-    // DCMTK holds the file and its decoded copy; then two cached slices and the plane.
-    opened.working_bytes = pixels * (2 * frames_in_file * size_of(first.type) + 3 * size_of(opened.type));
+    // DCMTK holds the file and its decoded copy; then a slice's stored pixels, two cached slices and the plane.
+    opened.working_bytes = pixels * ((2 * frames_in_file + 1) * size_of(first.type) + 3 * size_of(opened.type));
     opened.voxels = [stack, pixels, type = opened.type, raw](int) -> std::unique_ptr<VoxelSource> {
         return std::make_unique<StackVoxels>(stack, pixels, type, raw);
     };

@@ -67,6 +67,18 @@ StoredType stored_type(DcmItem& data, const std::string& where)
     }
 }
 
+/// Written as US or SS, and not always as the one that fits the pixels.
+std::optional<std::uint16_t> padding_of(DcmItem& data)
+{
+    Uint16 bits = 0;
+    Sint16 number = 0;
+    if (data.findAndGetUint16(DCM_PixelPaddingValue, bits).good())
+        return bits;
+    if (data.findAndGetSint16(DCM_PixelPaddingValue, number).good())
+        return static_cast<std::uint16_t>(number);
+    return std::nullopt;
+}
+
 /// An attribute of one frame: in enhanced multi-frame files inside a functional group, the frame's own or the one
 /// shared by all; in classic files in the data set itself.
 class FrameAttributes {
@@ -154,6 +166,7 @@ std::vector<DicomSeries> read_dicom_header(const fs::path& path)
     DicomSlice slice;
     slice.file = path;
     slice.type = stored_type(data, where);
+    slice.padding = padding_of(data);
     if (const auto instance = numbers_of(data, DCM_InstanceNumber, 1))
         slice.instance = int(std::clamp((*instance)[0], -2e9, 2e9));
 

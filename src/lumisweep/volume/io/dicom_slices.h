@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct DicomSlice {
     int instance = 0;
     double slope = 1.0, intercept = 0.0;
     StoredType type = StoredType::u8;
+    std::optional<std::uint16_t> padding; ///< the stored bits of pixels outside of what was scanned
 };
 
 /// Slices of one series that share size and orientation.

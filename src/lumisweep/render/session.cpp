@@ -55,6 +55,14 @@ void validate(const SessionInput& input)
             cell_count(input), input.visibility.directions, input.visibility.directions);
 }
 
+/// Also refuses what the memory that is left cannot hold, before any of it is taken.
+void validate_with_memory(const SessionInput& input)
+{
+    validate(input);
+    require_memory(Session::memory_needed(input), "rendering this scene",
+                   "a larger visibility.cell, fewer visibility.directions or a smaller image need less");
+}
+
 } // namespace
 
 struct Session::State {
@@ -124,9 +132,7 @@ struct Session::State {
 
 Session::Session(SessionInput input, std::shared_ptr<Backend> backend) : state_(std::make_unique<State>())
 {
-    validate(input);
-    require_memory(memory_needed(input), "rendering this scene",
-                   "a larger visibility.cell, fewer visibility.directions or a smaller image need less");
+    validate_with_memory(input);
     state_->input = std::move(input);
     state_->backend = std::move(backend);
     state_->use_environment();
@@ -140,7 +146,7 @@ void Session::set_volume(std::shared_ptr<const ScalarGrid> volume)
 {
     SessionInput changed = state_->input;
     changed.volume = std::move(volume);
-    validate(changed);
+    validate_with_memory(changed);
     state_->input = std::move(changed);
     state_->stats.volume_bytes = state_->input.volume->bytes();
     state_->stale_bounds = state_->stale_majorants = state_->stale_visibility = state_->stale_joint = true;
@@ -172,7 +178,9 @@ void Session::set_camera(const Camera& camera)
 
 void Session::set_image(const ImageSettings& image)
 {
-    image.validate();
+    SessionInput changed = state_->input;
+    changed.image = image;
+    validate_with_memory(changed);
     state_->input.image = image;
     state_->resize_film();
 }
@@ -188,7 +196,7 @@ void Session::set_visibility(const VisibilitySettings& visibility)
 {
     SessionInput changed = state_->input;
     changed.visibility = visibility;
-    validate(changed);
+    validate_with_memory(changed);
     state_->input = std::move(changed);
     state_->use_environment();
     state_->stale_visibility = state_->stale_joint = true;

@@ -1,6 +1,4 @@
 // lumisweep info: what a volume, an environment map or a scene holds.
-#include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <limits>
 #include <memory>
@@ -12,6 +10,7 @@
 #include "commands.h"
 #include "info.h"
 #include "lumisweep/base/error.h"
+#include "lumisweep/base/extension.h"
 
 namespace lumisweep::cli {
 
@@ -30,9 +29,7 @@ void info(const InfoOptions& options)
     const fs::path path = options.path;
     std::error_code ignored;
     require(fs::exists(path, ignored), "{}: no such file or directory (check the path)", options.path);
-    std::string extension = fs::is_directory(path, ignored) ? "" : path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = fs::is_directory(path, ignored) ? "" : lower_extension(path);
     nlohmann::ordered_json found;
     void (*print_text)(const nlohmann::ordered_json&) = nullptr;
     if (extension == ".json") {

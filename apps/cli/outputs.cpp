@@ -1,8 +1,6 @@
 #include "outputs.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -15,6 +13,7 @@
 
 #include "commands.h"
 #include "lumisweep/base/error.h"
+#include "lumisweep/base/extension.h"
 #include "lumisweep/base/memory.h"
 #include "lumisweep/image/exr.h"
 #include "lumisweep/image/png.h"
@@ -26,14 +25,6 @@ namespace lumisweep::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower_extension(const fs::path& file)
-{
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-}
 
 /// OpenEXR's matrices act on row vectors: the transpose of ours.
 std::vector<double> world_to_camera(const Camera& camera)

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "lumisweep/base/error.h"
+#include "lumisweep/base/extension.h"
 #include "lumisweep/base/memory.h"
 #include "lumisweep/volume/io/formats.h"
 #include "lumisweep/volume/io/geometry.h"
@@ -14,13 +15,6 @@ namespace lumisweep {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string lower_extension(const fs::path& path)
-{
-    std::string e = path.extension().string();
-    std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-    return e;
-}
 
 bool is_dicom_file(const fs::path& path)
 {

@@ -93,6 +93,8 @@ void print_scene(const ordered_json& info)
     line("scene", info["path"].get<std::string>());
     if (info.contains("volume")) {
         line("volume", info["volume"]["path"].get<std::string>());
+        if (const auto files = info["volume"]["files"].get<std::size_t>(); files > 1)
+            line("files", fmt::format("{}, a time series; this is the first", files));
         print_geometry(info["volume"]);
         line("memory", format_bytes(info["memory_bytes_needed"].get<std::uint64_t>()) + " to render it");
     }

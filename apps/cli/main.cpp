@@ -45,6 +45,9 @@ int main(int argc, char** argv)
         } catch (const CLI::ParseError& error) {
             if (error.get_exit_code() == 0)
                 return app.exit(error); // --help and --version
+            if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-')
+                return complain(wrong_usage,
+                                fmt::format("{}: unknown command (give render, compare, info or sweep)", argv[1]));
             return complain(wrong_usage,
                             fmt::format("{} (see lumisweep --help and lumisweep COMMAND --help)", error.what()));
         }

@@ -30,6 +30,9 @@ class Usage(ProgramTest):
                           ["compare", "one.exr"], ["info"]):
             self.expect_failure(2, "lumisweep: ", *arguments)
 
+    def test_unknown_command_is_named(self):
+        self.expect_failure(2, "rendr: unknown command", "rendr", "scene.json")
+
     def test_refusals_are_1_and_come_first(self):
         before = set(os.listdir(self.folder))
         self.expect_failure(1, "missing.json: no such file", "render", "missing.json", "-o", "o.exr")

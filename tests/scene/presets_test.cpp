@@ -154,7 +154,7 @@ TEST(Framing, SeesTheWholeBoxFromInFront)
             const Vec3d p{(c & 1) * 20.0, (c >> 1 & 1) * 30.0, (c >> 2) * 40.0};
             const double x = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3],
                          y = m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7];
-            const double depth = -(m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]);
+            const double depth = m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11];
             ASSERT_GT(depth, 0.0);
             largest = std::max({largest, std::abs(y) / (depth * tan_half),
                                 std::abs(x) / (depth * tan_half * image.width / image.height)});

@@ -57,9 +57,8 @@ Environment::Environment(int n, AlignedArray<float> radiance_rgb) : n_(n), radia
     parallel_for(
         std::size_t{0}, expected,
         [&](std::size_t i) {
-            require(std::isfinite(radiance_[i]) && radiance_[i] >= 0.0F,
-                    "environment: radiance {} in texel {} (radiance must be finite and not negative)", radiance_[i],
-                    i / 3);
+            require(radiance_[i] >= 0.0F && radiance_[i] <= 1e30F,
+                    "environment: radiance {} in texel {} (radiance must be from 0 to 1e30)", radiance_[i], i / 3);
         },
         grain);
     luminance_ = luminance_quadtree(std::countr_zero(static_cast<unsigned>(n)), radiance_);

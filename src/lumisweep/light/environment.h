@@ -23,7 +23,7 @@ struct EnvironmentView {
 class Environment {
 public:
     /// Takes n × n texels of RGB radiance in Morton order. Throws Error unless n is a power of two in [1, 16384] and all
-    /// radiance is finite and ≥ 0.
+    /// radiance is between 0 and 1e30.
     Environment(int n, AlignedArray<float> radiance_rgb);
     Environment() : Environment(constant({1.0, 1.0, 1.0})) {}
 

@@ -1,11 +1,11 @@
 #include "lumisweep/render/session.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/memory.h"
+#include "lumisweep/base/stopwatch.h"
 #include "lumisweep/render/backend.h"
 #include "lumisweep/render/camera.h"
 #include "lumisweep/render/scene_view.h"
@@ -16,19 +16,6 @@ namespace lumisweep {
 
 namespace {
 
-/// Adds the seconds of its life to a counter.
-class Stopwatch {
-public:
-    explicit Stopwatch(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
-    ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-    Stopwatch(const Stopwatch&) = delete;
-    Stopwatch& operator=(const Stopwatch&) = delete;
-
-private:
-    double& seconds_;
-    std::chrono::steady_clock::time_point start_;
-};
-
 /// Kernels index these tables with 32 bits.
 constexpr std::uint64_t max_entries = std::numeric_limits<std::int32_t>::max();
 
@@ -36,10 +23,32 @@ Linear3f linear(const Affine3d& a) { return {to_float(a.column[0]), to_float(a.c
 
 bool needs_joint(Strategy strategy) { return strategy != Strategy::uniform && strategy != Strategy::environment; }
 
-std::size_t cell_count(const SessionInput& input)
+std::size_t count(const Vec3i& cells)
 {
-    const Vec3i cells = VisibilityGrid::cells_of(input.volume->size(), input.visibility.cell);
     return static_cast<std::size_t>(cells.x) * static_cast<std::size_t>(cells.y) * static_cast<std::size_t>(cells.z);
+}
+
+/// Distances along a ray are kept in single precision: across the volume's diagonal a rounding is 1e-7 of it. Free
+/// flights must be several times longer than that, else the density of tentative collisions is off, and finally
+/// tracking stands still. At the limit they are about ten roundings long and the density is right to 0.1 %.
+void validate_extinction(const ScalarGrid& volume, const TransferFunction& transfer_function)
+{
+    constexpr double max_depth = 1e6;
+    double extinction = 0.0;
+    for (const TransferPoint& p : transfer_function.points())
+        extinction = std::max(extinction, p.extinction * transfer_function.extinction_scale());
+    const Vec3i n = volume.size();
+    const auto& column = volume.world_from_voxel().column;
+    double diagonal = 0.0;
+    for (const double sy : {-1.0, 1.0}) {
+        for (const double sz : {-1.0, 1.0})
+            diagonal = std::max(diagonal, length(column[0] * n.x + column[1] * (sy * n.y) + column[2] * (sz * n.z)));
+    }
+    require(
+        extinction * diagonal <= max_depth,
+        "transfer_function: extinction {:.3g} over a volume of {:.3g} is an optical depth of {:.3g}, above {:g} (lower "
+        "transfer_function.extinction_scale; is the extinction in 1/world unit?)",
+        extinction, diagonal, extinction * diagonal, max_depth);
 }
 
 void validate(const SessionInput& input)
@@ -49,17 +58,20 @@ void validate(const SessionInput& input)
     input.camera.validate();
     input.image.validate();
     input.visibility.validate();
-    require(JointGrid::bytes_needed(cell_count(input), input.visibility.directions) / sizeof(float) <= max_entries,
+    validate_extinction(*input.volume, input.transfer_function);
+    const std::size_t cells = count(VisibilityGrid::cells_of(input.volume->size(), input.visibility.cell));
+    require(JointGrid::bytes_needed(cells, input.visibility.directions) / sizeof(float) <= max_entries,
             "visibility: {} cells of {} × {} directions are too many (raise visibility.cell or lower "
             "visibility.directions)",
-            cell_count(input), input.visibility.directions, input.visibility.directions);
+            cells, input.visibility.directions, input.visibility.directions);
 }
 
 /// Also refuses what the memory that is left cannot hold, before any of it is taken.
 void validate_with_memory(const SessionInput& input)
 {
     validate(input);
-    require_memory(Session::memory_needed(input), "rendering this scene",
+    require_memory(Session::memory_needed(input.volume->size(), input.image, input.render.strategy, input.visibility),
+                   "rendering this scene",
                    "a larger visibility.cell, fewer visibility.directions or a smaller image need less");
 }
 
@@ -155,6 +167,7 @@ void Session::set_volume(std::shared_ptr<const ScalarGrid> volume)
 
 void Session::set_transfer_function(TransferFunction transfer_function)
 {
+    validate_extinction(*state_->input.volume, transfer_function);
     state_->input.transfer_function = std::move(transfer_function);
     state_->stale_majorants = state_->stale_visibility = state_->stale_joint = true;
     state_->film.clear();
@@ -252,6 +265,7 @@ void Session::prepare(const std::atomic<bool>* cancel)
         const Stopwatch watch(s.stats.joint_s);
         const JointFactor factor =
             s.strategy() == Strategy::visibility ? JointFactor::visibility_only : JointFactor::visibility_times_light;
+        s.joint = JointGrid(); // the old one first: each may be as large as the volume
         s.joint = JointGrid(s.visibility, s.input.volume->size(), *s.light, factor, s.input.visibility.epsilon);
         s.stats.joint_bytes = s.joint.bytes();
         s.stale_joint = false;
@@ -267,10 +281,19 @@ PassEnd Session::render_pass(const std::atomic<bool>* cancel)
     const Stopwatch watch(s.stats.render_s);
     const SampleView samples{s.sample_color.data(), s.sample_features.data()};
     PassCounts counts;
-    const PassEnd end = s.backend->render_pass(s.view(), samples, s.film.samples(), cancel, counts);
-    if (end == PassEnd::cancelled) {
+    const auto discard = [&] {
         std::fill(s.sample_color.begin(), s.sample_color.end(), 0.0F);
         std::fill(s.sample_features.begin(), s.sample_features.end(), 0.0F);
+    };
+    PassEnd end = PassEnd::cancelled;
+    try {
+        end = s.backend->render_pass(s.view(), samples, s.film.samples(), cancel, counts);
+    } catch (...) {
+        discard();
+        throw;
+    }
+    if (end == PassEnd::cancelled) {
+        discard();
         return end;
     }
     s.film.add(samples);
@@ -293,19 +316,22 @@ const SessionInput& Session::input() const { return state_->input; }
 const SessionStats& Session::stats() const { return state_->stats; }
 const Backend& Session::backend() const { return *state_->backend; }
 
-std::uint64_t Session::memory_needed(const SessionInput& input)
+std::uint64_t Session::memory_needed(const Vec3i& volume_size, const ImageSettings& image, Strategy strategy,
+                                     const VisibilitySettings& visibility)
 {
-    const std::uint64_t voxels = input.volume->voxel_count();
-    std::uint64_t bytes = Film::bytes_needed(input.image.width, input.image.height);
-    bytes += voxels / (majorant_cell * majorant_cell * majorant_cell) * 12 * 2;
-    if (needs_joint(input.render.strategy)) {
-        const std::uint64_t cells = cell_count(input);
-        const std::uint64_t directions = static_cast<std::uint64_t>(input.visibility.directions) *
-                                         static_cast<std::uint64_t>(input.visibility.directions);
+    constexpr std::uint64_t layers = 14; // of the image that is written
+    std::uint64_t bytes = Film::bytes_needed(image.width, image.height);
+    bytes +=
+        static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height) * layers * sizeof(float);
+    bytes += count(VisibilityGrid::cells_of(volume_size, majorant_cell)) * 3 * sizeof(float);
+    if (needs_joint(strategy)) {
+        const std::uint64_t cells = count(VisibilityGrid::cells_of(volume_size, visibility.cell));
+        const std::uint64_t directions =
+            static_cast<std::uint64_t>(visibility.directions) * static_cast<std::uint64_t>(visibility.directions);
         // While sweeping: the classified volume with its mips and a transposed copy, a byte a voxel each.
-        const std::uint64_t sweeping = voxels * 5 / 2;
+        const std::uint64_t sweeping = count(volume_size) * 5 / 2;
         bytes += cells * directions;
-        bytes += std::max<std::uint64_t>(sweeping, JointGrid::bytes_needed(cells, input.visibility.directions));
+        bytes += std::max<std::uint64_t>(sweeping, JointGrid::bytes_needed(cells, visibility.directions));
     }
     return bytes;
 }

@@ -75,8 +75,10 @@ public:
     const SessionStats& stats() const;
     const Backend& backend() const;
 
-    /// Bytes that preparing and rendering `input` will take beyond the volume and the environment themselves.
-    static std::uint64_t memory_needed(const SessionInput& input);
+    /// Bytes that preparing, rendering and writing the image will take beyond the volume and the environment
+    /// themselves.
+    static std::uint64_t memory_needed(const Vec3i& volume_size, const ImageSettings& image, Strategy strategy,
+                                       const VisibilitySettings& visibility);
 
 private:
     struct State;

@@ -9,15 +9,18 @@ namespace lumisweep {
 
 namespace {
 
-bool finite(const Vec3d& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+/// What single precision holds with room for products.
+constexpr double far = 1e15;
+
+bool usable(const Vec3d& v) { return std::fabs(v.x) <= far && std::fabs(v.y) <= far && std::fabs(v.z) <= far; }
 
 } // namespace
 
 void Camera::validate() const
 {
-    require(finite(position), "camera.position: is not finite");
-    require(finite(target), "camera.target: is not finite");
-    require(finite(up), "camera.up: is not finite");
+    require(usable(position), "camera.position: is not finite or beyond {:g}", far);
+    require(usable(target), "camera.target: is not finite or beyond {:g}", far);
+    require(usable(up), "camera.up: is not finite or beyond {:g}", far);
     const double distance = length(target - position);
     require(std::isfinite(distance) && distance > 0.0, "camera.target: is the camera's position (move one of them)");
     const Vec3d side = cross(target - position, up);
@@ -25,9 +28,10 @@ void Camera::validate() const
             "camera.up: is zero or along the view direction (choose another up vector)");
     require(vertical_fov_deg > 0.0 && vertical_fov_deg < 180.0, "camera.vertical_fov_deg: {} is not between 0 and 180",
             vertical_fov_deg);
-    require(std::isfinite(lens_radius) && lens_radius >= 0.0, "camera.lens_radius: {} is not ≥ 0", lens_radius);
-    require(std::isfinite(focus_distance) && focus_distance >= 0.0, "camera.focus_distance: {} is not ≥ 0",
-            focus_distance);
+    require(std::isfinite(lens_radius) && lens_radius >= 0.0 && lens_radius <= far,
+            "camera.lens_radius: {} is not between 0 and {:g}", lens_radius, far);
+    require(std::isfinite(focus_distance) && focus_distance >= 0.0 && focus_distance <= far,
+            "camera.focus_distance: {} is not between 0 and {:g}", focus_distance, far);
 }
 
 double Camera::focus() const { return focus_distance > 0.0 ? focus_distance : length(target - position); }
@@ -35,10 +39,10 @@ double Camera::focus() const { return focus_distance > 0.0 ? focus_distance : le
 std::array<double, 16> Camera::camera_from_world() const
 {
     const CameraFrame f = camera_frame(*this);
-    return {f.right.x,    f.right.y,    f.right.z,    -dot(f.right, position),  //
-            f.up.x,       f.up.y,       f.up.z,       -dot(f.up, position),     //
-            -f.forward.x, -f.forward.y, -f.forward.z, dot(f.forward, position), //
-            0.0,          0.0,          0.0,          1.0};
+    return {f.right.x,   f.right.y,   f.right.z,   -dot(f.right, position),   //
+            f.up.x,      f.up.y,      f.up.z,      -dot(f.up, position),      //
+            f.forward.x, f.forward.y, f.forward.z, -dot(f.forward, position), //
+            0.0,         0.0,         0.0,         1.0};
 }
 
 void ImageSettings::validate() const

@@ -22,7 +22,8 @@ struct Camera {
     void validate() const;
     /// The focus distance with the default filled in.
     double focus() const;
-    /// World to camera space, rigid: x to the right, y up, looking along −z; row-major 4 × 4.
+    /// World to camera space, rigid: x to the right, y up, z along the view (OpenEXR's left-handed
+    /// convention); row-major 4 × 4, for column vectors.
     std::array<double, 16> camera_from_world() const;
 };
 

@@ -8,7 +8,6 @@
 #include "lumisweep/image/hdr.h"
 #include "lumisweep/light/latlong.h"
 #include "lumisweep/math/trigonometry.h"
-#include "lumisweep/sampling/joint_grid.h"
 #include "lumisweep/scene/framing.h"
 #include "lumisweep/scene/presets.h"
 #include "lumisweep/scene/scene_file.h"
@@ -108,15 +107,8 @@ VolumeRequest volume_request(const VolumeDescription& description)
 
 std::uint64_t memory_estimate(const VolumeHeader& header, const SceneDescription& scene)
 {
-    const Vec3i cells = VisibilityGrid::cells_of(header.size, scene.visibility.cell);
-    const std::uint64_t cell_count =
-        static_cast<std::uint64_t>(cells.x) * static_cast<std::uint64_t>(cells.y) * static_cast<std::uint64_t>(cells.z);
-    const bool guided = scene.render.strategy != Strategy::uniform && scene.render.strategy != Strategy::environment;
-    const auto directions = static_cast<std::uint64_t>(scene.visibility.directions) *
-                            static_cast<std::uint64_t>(scene.visibility.directions);
-    const std::uint64_t grids =
-        guided ? cell_count * directions + JointGrid::bytes_needed(cell_count, scene.visibility.directions) : 0;
-    return header.bytes_needed + grids + Film::bytes_needed(scene.image.width, scene.image.height);
+    return header.bytes_needed +
+           Session::memory_needed(header.size, scene.image, scene.render.strategy, scene.visibility);
 }
 
 LoadedScene load_scene(const SceneDescription& scene)

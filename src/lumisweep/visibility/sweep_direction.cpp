@@ -1,23 +1,12 @@
 #include "lumisweep/visibility/sweep_direction.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+
+#include "lumisweep/base/stopwatch.h"
 
 namespace lumisweep {
 namespace {
-
-class Stopwatch {
-public:
-    explicit Stopwatch(double& seconds) : seconds_(seconds), begin_(std::chrono::steady_clock::now()) {}
-    ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
-    Stopwatch(const Stopwatch&) = delete;
-    Stopwatch& operator=(const Stopwatch&) = delete;
-
-private:
-    double& seconds_;
-    std::chrono::steady_clock::time_point begin_;
-};
 
 int u_axis_of(int axis) { return axis == 0 ? 1 : 0; }
 int v_axis_of(int axis) { return axis == 2 ? 1 : 2; }

@@ -33,6 +33,9 @@ const Affine3d& checked_affine(const Affine3d& a)
 {
     require(finite(a.column[0]) && finite(a.column[1]) && finite(a.column[2]) && finite(a.offset),
             "volume: world_from_voxel is not finite (give finite spacing, direction and origin)");
+    for (const Vec3d& column : a.column)
+        require(length(column) >= 1e-12 && length(column) <= 1e12,
+                "volume: spacing {:g} is not between 1e-12 and 1e12 (give it in another unit)", length(column));
     // Relative to the edges' lengths: a micrometre grid is as good as a metre grid.
     const double scale = length(a.column[0]) * length(a.column[1]) * length(a.column[2]);
     require(scale > 0.0 && std::isfinite(scale) && std::abs(determinant(a)) > 1e-9 * scale,

@@ -1,0 +1,21 @@
+// Adds up how long something takes.
+#pragma once
+
+#include <chrono>
+
+namespace lumisweep {
+
+/// Adds the wall-clock seconds of its life to a counter.
+class Stopwatch {
+public:
+    explicit Stopwatch(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
+    ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+
+private:
+    double& seconds_;
+    std::chrono::steady_clock::time_point start_;
+};
+
+} // namespace lumisweep

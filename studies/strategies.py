@@ -52,11 +52,11 @@ class Renderer:
             raise StudyError(f"lumisweep {arguments[0]} failed ({result.returncode}): {message[-1]}")
         return result.stdout
 
-    def render(self, scene, light, strategy, samples, seed, build=""):
-        """Returns (image without suffix, stats). `build` is part of the name where another build must not be reused."""
+    def render(self, scene, light, strategy, samples, seed):
+        """Returns (image without suffix, stats). What another build made is not reused: it may have been wrong."""
         scene_file = ROOT / "scenes" / f"{scene}.json"
         light_file = ROOT / "data" / "environments" / f"{light}.exr"
-        key = hashlib.sha256(scene_file.read_bytes() + repr((self.settings, build)).encode()).hexdigest()[:8]
+        key = hashlib.sha256(scene_file.read_bytes() + repr((self.settings, self.build)).encode()).hexdigest()[:8]
         stem = self.cache / f"{scene}-{light}-{self.width}-{strategy}-{samples}-{seed}-{key}"
         stats = Path(f"{stem}.json")
         if not stats.is_file():
@@ -87,7 +87,7 @@ def measure(renderer, scene, light, plan, reference_samples, report):
             report(f"{scene} under {light}: {strategy}, {samples} samples")
             for repeat in range(repeats):
                 # Runs of one seed share their first samples, so every sample count has seeds of its own.
-                stem, stats = renderer.render(scene, light, strategy, samples, 100 * samples + repeat, renderer.build)
+                stem, stats = renderer.render(scene, light, strategy, samples, 100 * samples + repeat)
                 result = renderer.compare(stem, reference)
                 seconds = stats["seconds"]
                 rows.append({"scene": scene, "light": light, "strategy": strategy, "samples": samples, "repeat": repeat,

@@ -112,6 +112,9 @@ struct Refused {
     const char* message; ///< part of it
 };
 
+// Without it the parameter prints as bytes, pointers among them, and the test's name would change with every build.
+void PrintTo(const Refused& refused, std::ostream* stream) { *stream << refused.message; }
+
 class SceneRefusal : public testing::TestWithParam<Refused> {};
 
 TEST_P(SceneRefusal, NamesWhatIsWrong)

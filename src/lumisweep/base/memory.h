@@ -6,8 +6,9 @@
 
 namespace lumisweep {
 
-/// Bytes that this process can still take without swapping: the smaller of the kernel's MemAvailable, what is left under
-/// the control group's limit, and what is left under RLIMIT_AS (ulimit -v). Returns UINT64_MAX where none can be read.
+/// Bytes that this process can still take without swapping: the smaller of the kernel's MemAvailable, what is left
+/// under the control group's limit, and what is left under RLIMIT_AS (ulimit -v). Returns UINT64_MAX where none can be
+/// read.
 std::uint64_t available_memory();
 
 /// Throws Error naming `what`, the bytes needed, those available and `mend` unless `bytes` fit into

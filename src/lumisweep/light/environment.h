@@ -1,7 +1,8 @@
 // Natural light: radiance over the sphere as an equal-area octahedral map, with its luminance quadtree.
 //
-// Texels lie in Morton order (math/morton.h), so that the four children of node m of one level are 4m … 4m+3 of the next.
-// Every texel covers 4π/n² sr (equal-area octahedral map, Clarberg 2008; math/octahedral.h), and radiance is constant over it.
+// Texels lie in Morton order (math/morton.h), so that the four children of node m of one level are 4m … 4m+3 of the
+// next. Every texel covers 4π/n² sr (equal-area octahedral map, Clarberg 2008; math/octahedral.h), and radiance is
+// constant over it.
 #pragma once
 
 #include <cstddef>
@@ -15,15 +16,15 @@ namespace lumisweep {
 /// What kernels read; a plain struct of pointers.
 /// Memory: radiance 12 · n² bytes, luminance 4 · (4 n² − 1) / 3 bytes.
 struct EnvironmentView {
-    int levels = 0;                    ///< log2 n
-    const float* radiance = nullptr;   ///< [n²][3], RGB, Morton order
-    const float* luminance = nullptr;  ///< node m of level l (2^l × 2^l nodes) at [(4^l − 1)/3 + m]: mean luminance
+    int levels = 0;                   ///< log2 n
+    const float* radiance = nullptr;  ///< [n²][3], RGB, Morton order
+    const float* luminance = nullptr; ///< node m of level l (2^l × 2^l nodes) at [(4^l − 1)/3 + m]: mean luminance
 };
 
 class Environment {
 public:
-    /// Takes n × n texels of RGB radiance in Morton order. Throws Error unless n is a power of two in [1, 16384] and all
-    /// radiance is between 0 and 1e30.
+    /// Takes n × n texels of RGB radiance in Morton order. Throws Error unless n is a power of two in [1, 16384] and
+    /// all radiance is between 0 and 1e30.
     Environment(int n, AlignedArray<float> radiance_rgb);
     Environment() : Environment(constant({1.0, 1.0, 1.0})) {}
 

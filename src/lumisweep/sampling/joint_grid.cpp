@@ -11,7 +11,13 @@ namespace lumisweep {
 namespace {
 
 /// Nodes below the root in `levels` levels.
-std::size_t nodes_of(int levels) { return ((std::size_t{4} << (2 * levels)) - 4) / 3; }
+std::size_t nodes_of(int levels)
+{
+    std::size_t nodes = 0;
+    for (int l = 0; l < levels; ++l)
+        nodes = 4 * nodes + 4;
+    return nodes;
+}
 
 } // namespace
 

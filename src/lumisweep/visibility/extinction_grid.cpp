@@ -57,7 +57,7 @@ template <class T>
 float classify_integers(const T* voxels, const ScalarGrid& volume, const TransferFunction& tf, std::uint8_t* stored)
 {
     constexpr int low = std::numeric_limits<T>::min();
-    constexpr std::size_t values = std::size_t{1} << (8 * sizeof(T));
+    static constexpr std::size_t values = std::size_t{1} << (8 * sizeof(T));
     using Flags = std::vector<std::uint8_t>;
     tbb::enumerable_thread_specific<Flags> flags_of_thread([] { return Flags(values, 0); });
     parallel_slices(volume.size(), [&](std::size_t first, std::size_t last) {

@@ -21,8 +21,8 @@ struct PathQueue {
     static constexpr int float_fields = 12, int_fields = 6;
     static_assert(float_fields + int_fields == PathState<F>::field_count);
 
-    // Zeros, because the last group of a queue may hold lanes that nothing was ever written to, and gathers follow the cells
-    // and positions of all lanes.
+    // Zeros, because the last group of a queue may hold lanes that nothing was ever written to, and gathers follow the
+    // cells and positions of all lanes.
     alignas(64) float floats[float_fields][padded] = {};
     alignas(64) std::int32_t ints[int_fields][padded] = {};
     int size = 0;

@@ -38,9 +38,12 @@ void lower_padding(std::vector<std::byte>& pixels, T padding)
             return;
         lowest = std::min(lowest, v);
     }
-    for (std::size_t i = 0; i < pixels.size() && lowest < padding; i += sizeof(T))
-        if (std::memcmp(pixels.data() + i, &padding, sizeof(T)) == 0)
+    for (std::size_t i = 0; i < pixels.size() && lowest < padding; i += sizeof(T)) {
+        T v;
+        std::memcpy(&v, pixels.data() + i, sizeof(T));
+        if (v == padding)
             std::memcpy(pixels.data() + i, &lowest, sizeof(T));
+    }
 }
 
 template <class Function>

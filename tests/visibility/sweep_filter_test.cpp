@@ -29,9 +29,10 @@ TEST(SweepFilter, RunningSumsEqualTheDirectSum)
 {
     std::mt19937 random(1);
     std::uniform_int_distribution<int> value(0, 65535);
-    for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {9, 1}, {17, 13}, {64, 5}})
+    for (const std::pair<int, int>& size : {std::pair{1, 1}, {1, 9}, {9, 1}, {17, 13}, {64, 5}})
         for (const double box_u : {1.0, 1.3, 2.0, 3.0, 4.7, 16.9, 17.0, 500.0, 1e16})
             for (const double box_v : {1.0, 2.5, 5.0, 40.0}) {
+                const int width = size.first, height = size.second;
                 std::vector<std::int32_t> in(static_cast<std::size_t>(width * height));
                 std::generate(in.begin(), in.end(), [&] { return value(random); });
                 std::vector<std::int32_t> out = in;

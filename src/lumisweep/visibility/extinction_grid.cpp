@@ -59,7 +59,7 @@ float classify_integers(const T* voxels, const ScalarGrid& volume, const Transfe
     constexpr int low = std::numeric_limits<T>::min();
     static constexpr std::size_t values = std::size_t{1} << (8 * sizeof(T));
     using Flags = std::vector<std::uint8_t>;
-    tbb::enumerable_thread_specific<Flags> flags_of_thread([] { return Flags(values, 0); });
+    tbb::enumerable_thread_specific<Flags> flags_of_thread(Flags(values, 0)); // copied to each thread
     parallel_slices(volume.size(), [&](std::size_t first, std::size_t last) {
         std::uint8_t* flags = flags_of_thread.local().data();
         for (std::size_t i = first; i < last; ++i)

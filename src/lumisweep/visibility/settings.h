@@ -10,9 +10,8 @@ struct VisibilitySettings {
     int cell = 4;       ///< voxels of the volume per visibility cell along each axis, 1 … 64
     int rays = 0;       ///< s of the s × s sweep kernel; 0 is "auto"
     SweepFilter filter = SweepFilter::half_angle;
-    /// Added to V before normalising; 1e-6 … 1: without it a wrong V = 0 could bias the image. The papers take 0.01;
-    /// 0.1 leaves less noise on every public scene (docs/results/strategies.md), as V of a cell is often 0 where its
-    /// brightest part is not.
+    /// Added to V before normalising; > 0, else a wrong V = 0 could bias the image. The papers take 0.01; 0.1 leaves as
+    /// little noise on average and less where the gain is smallest (docs/results/visibility-settings.md).
     double epsilon = 0.1;
 
     /// Throws Error naming the entry ("visibility.cell") that is out of range.

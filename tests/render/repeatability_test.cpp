@@ -157,10 +157,8 @@ TEST(Repeatability, InstructionSetsAgreePixelByPixel)
         for (const std::string& isa : available_isas()) {
             const auto session = test::rendered(input, 1, isa);
             int close = 0, lit = 0;
-            double sum = 0.0, reference_sum = 0.0;
             for (std::size_t i = 0; i < session->film().color_sum().size(); ++i) {
                 const double a = session->film().color_sum()[i], b = reference->film().color_sum()[i];
-                sum += a, reference_sum += b;
                 lit += a != 0.0 || b != 0.0 ? 1 : 0;
                 close += (a != 0.0 || b != 0.0) && std::fabs(a - b) <= 1e-3 * std::max(a, b) ? 1 : 0;
             }

@@ -92,11 +92,14 @@ void require_writable(const fs::path& file)
             "{}: cannot be written (check the permissions)", file.string());
     if (there)
         return;
-    // Permissions do not say all: some file systems take no new files, whoever asks.
-    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    // Permissions do not say all: some file systems take no new files, whoever asks. The trial has a name of its own:
+    // nobody who waits for the file, and no kill in between, may take an empty one for it.
+    fs::path trial = file;
+    trial += fmt::format(".{}.trial", ::getpid());
+    const int descriptor = ::open(trial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     require(descriptor >= 0, "{}: cannot be created, {} (check the folder)", file.string(), std::strerror(errno));
     ::close(descriptor);
-    ::unlink(file.c_str());
+    ::unlink(trial.c_str());
 }
 
 void write_images(const std::vector<std::string>& files, const Session& session, const RenderResult& result,

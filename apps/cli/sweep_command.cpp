@@ -48,9 +48,10 @@ SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
     SweepRun run;
     run.load_s = loaded.load_s;
     run.threads = tbb::this_task_arena::max_concurrency();
+    const RawRange range = raw_range(*input.volume);
     const auto begin = std::chrono::steady_clock::now();
-    const ExtinctionPyramid extinction =
-        classify(*input.volume, input.transfer_function, sweep_mip_level(input.volume->size(), input.visibility.rays));
+    const ExtinctionGrid extinction = classify(*input.volume, range, input.transfer_function,
+                                               sweep_mip_level(input.volume->size(), input.visibility.rays));
     run.classify_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     VisibilityGrid grid(input.volume->size(), input.visibility.cell, input.visibility.directions);
     run.sweep = sweep_visibility(grid, extinction, input.visibility);
@@ -59,8 +60,11 @@ SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
     run.volume_bytes = input.volume->bytes();
     run.extinction_bytes = extinction.bytes();
     run.visibility_bytes = grid.bytes();
-    if (options.check > 0)
-        run.check = sweep_check(grid, extinction, options.check, input.render.seed);
+    if (options.check > 0) {
+        const ExtinctionGrid finest =
+            classify(*input.volume, range, input.transfer_function, 0, ExtinctionLayouts::straight);
+        run.check = sweep_check(grid, finest, options.check, input.render.seed);
+    }
     return run;
 }
 

@@ -13,27 +13,27 @@ using namespace test;
 
 TEST(BruteForce, HomogeneousSlab)
 {
-    const ExtinctionPyramid medium = homogeneous({5, 4, 3}, spaced({2.0, 1.0, 0.5}), 0.3);
+    const ExtinctionGrid medium = homogeneous({5, 4, 3}, spaced({2.0, 1.0, 0.5}), 0.3);
     const Vec3d p_voxel{1.5, 2.0, 1.0};
-    EXPECT_NEAR(transmittance_classified(medium, 0, p_voxel, {1.0, 0.0, 0.0}), std::exp(-0.3 * 3.5 * 2.0), 1e-6);
-    EXPECT_NEAR(transmittance_classified(medium, 0, p_voxel, {0.0, -1.0, 0.0}), std::exp(-0.3 * 2.0), 1e-6);
-    EXPECT_NEAR(transmittance_classified(medium, 0, p_voxel, {0.0, 0.6, 0.8}), std::exp(-0.3 * 1.0 / 0.8), 1e-6);
-    EXPECT_EQ(transmittance_classified(medium, 0, {-0.1, 2.0, 1.0}, {1.0, 0.0, 0.0}), 1.0);
+    EXPECT_NEAR(transmittance_classified(medium, p_voxel, {1.0, 0.0, 0.0}), std::exp(-0.3 * 3.5 * 2.0), 1e-6);
+    EXPECT_NEAR(transmittance_classified(medium, p_voxel, {0.0, -1.0, 0.0}), std::exp(-0.3 * 2.0), 1e-6);
+    EXPECT_NEAR(transmittance_classified(medium, p_voxel, {0.0, 0.6, 0.8}), std::exp(-0.3 * 1.0 / 0.8), 1e-6);
+    EXPECT_EQ(transmittance_classified(medium, {-0.1, 2.0, 1.0}, {1.0, 0.0, 0.0}), 1.0);
 }
 
 TEST(BruteForce, GaussLegendreEqualsAFineMidpointRule)
 {
     // The classified grid as a volume of its own: both oracles then describe the same field.
-    const ExtinctionPyramid ct = classify(ct_like({19, 14, 11}, oblique()), bone(), 0);
-    ScalarGrid stored(VoxelType::u8, ct.levels[0].size, oblique());
-    std::copy(ct.levels[0].stored.begin(), ct.levels[0].stored.end(), stored.voxels<std::uint8_t>());
+    const ExtinctionGrid ct = classified(ct_like({19, 14, 11}, oblique()), bone());
+    ScalarGrid stored(VoxelType::u8, ct.size, oblique());
+    std::copy(ct.stored.begin(), ct.stored.end(), stored.voxels<std::uint8_t>());
     const TransferFunction linear({{0.0, 0.0}, {255.0, 255.0 * static_cast<double>(ct.scale)}});
     std::mt19937 random(5);
     std::uniform_real_distribution<double> uniform;
     for (int s = 0; s < 60; ++s) {
         const Vec3d p_voxel = Vec3d{19.0, 14.0, 11.0} * Vec3d{uniform(random), uniform(random), uniform(random)};
         const Vec3d w = normalized({uniform(random) - 0.5, uniform(random) - 0.5, uniform(random) - 0.5});
-        EXPECT_NEAR(transmittance_classified(ct, 0, p_voxel, w), transmittance_exact(stored, linear, p_voxel, w, 0.002),
+        EXPECT_NEAR(transmittance_classified(ct, p_voxel, w), transmittance_exact(stored, linear, p_voxel, w, 0.002),
                     2e-5);
     }
 }
@@ -41,8 +41,8 @@ TEST(BruteForce, GaussLegendreEqualsAFineMidpointRule)
 TEST(BruteForce, WholeGridAndCheckAgree)
 {
     const Vec3i size{13, 9, 10};
-    const ExtinctionPyramid smoky = classify(smoke_like(size, spaced({4.0, 5.0, 6.0})), smoke(), 0);
-    const VisibilityGrid grid = brute_force_visibility(smoky, 0, 3, 4);
+    const ExtinctionGrid smoky = classified(smoke_like(size, spaced({4.0, 5.0, 6.0})), smoke());
+    const VisibilityGrid grid = brute_force_visibility(smoky, 3, 4);
     const SweepCheck check = sweep_check(grid, smoky, 50, 3);
     EXPECT_LE(check.max, 0.5 / 255.0 + 1e-9); // only the 8 bits of storage
     EXPECT_GT(check.rms_averaged, check.rms);
@@ -52,14 +52,14 @@ TEST(BruteForce, WholeGridAndCheckAgree)
 
 TEST(BruteForce, AverageConvergesToTheMeanOfManyPoints)
 {
-    const ExtinctionPyramid smoky = classify(smoke_like({12, 12, 12}, spaced({8.0, 8.0, 8.0})), smoke(), 0);
+    const ExtinctionGrid smoky = classified(smoke_like({12, 12, 12}, spaced({8.0, 8.0, 8.0})), smoke());
     const VisibilityGrid grid({12, 12, 12}, 4, 2);
     double coarse = 0.0; // of 40 small samples: each alone has a standard error of about 0.015 over so large a texel
     for (std::uint64_t seed = 1; seed <= 40; ++seed)
         coarse += transmittance_averaged(smoky, grid, {1, 0, 2}, 1, 4, seed) / 40.0;
     const double fine = transmittance_averaged(smoky, grid, {1, 0, 2}, 1, 14, 99);
     EXPECT_NEAR(coarse, fine, 0.01);
-    const double centre = transmittance_classified(smoky, 0, {6.0, 2.0, 10.0}, texel_direction(1, 2));
+    const double centre = transmittance_classified(smoky, {6.0, 2.0, 10.0}, texel_direction(1, 2));
     EXPECT_GT(std::fabs(fine - centre), 0.002); // so that the comparison above means something
 }
 

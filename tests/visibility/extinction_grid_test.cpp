@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -15,41 +17,44 @@ using namespace test;
 
 double total(const ExtinctionGrid& grid) { return std::accumulate(grid.stored.begin(), grid.stored.end(), 0.0); }
 
-TEST(Classify, ScaleComesFromTheLargestExtinctionPresent)
+TEST(Classify, ScaleIsTheLargestExtinctionWithinTheRange)
 {
-    // The transfer function's peak at 500 occurs nowhere in the volume.
+    // The transfer function's peaks at -500 and 5000 lie outside of the volume's range.
     ScalarGrid volume(VoxelType::u8, {3, 1, 1}, Affine3d{}, 10.0, -100.0);
     volume.voxels<std::uint8_t>()[0] = 10;  // 0
     volume.voxels<std::uint8_t>()[1] = 20;  // 100
     volume.voxels<std::uint8_t>()[2] = 110; // 1000
-    const TransferFunction tf({{0.0, 0.0}, {100.0, 2.0}, {500.0, 80.0}, {1000.0, 1.0}}, 3.0);
-    const ExtinctionPyramid pyramid = classify(volume, tf, 0);
-    EXPECT_NEAR(pyramid.scale * 255.0F, 6.0F, 1e-5F);
-    EXPECT_EQ(pyramid.levels[0].stored[0], 0);
-    EXPECT_EQ(pyramid.levels[0].stored[1], 255);
-    EXPECT_NEAR(pyramid.levels[0].stored[2], 127.5, 0.51);
+    const TransferFunction tf({{-500.0, 90.0}, {-1.0, 0.0}, {100.0, 2.0}, {500.0, 3.0}, {1000.0, 1.0}, {5000.0, 70.0}},
+                              3.0);
+    const ExtinctionGrid grid = classified(volume, tf);
+    EXPECT_NEAR(grid.scale * 255.0F, 9.0F, 1e-5F);
+    EXPECT_NEAR(grid.stored[0], 255.0 * 2.0 / 101.0 / 3.0, 1.0);
+    EXPECT_EQ(grid.stored[1], 170);
+    EXPECT_EQ(grid.stored[2], 85);
 }
 
 TEST(Classify, AllVoxelTypesAgree)
 {
     const Vec3i size{7, 5, 3};
     const TransferFunction tf({{0.0, 0.0}, {200.0, 5.0}});
-    const auto fill = [&](VoxelType type, auto zero) {
+    const auto fill = [&](VoxelType type, auto zero, int mip_level) {
         ScalarGrid grid(type, size, Affine3d{});
         using T = decltype(zero);
         for (std::size_t i = 0; i < grid.voxel_count(); ++i)
             grid.voxels<T>()[i] = static_cast<T>(i * 37 % 199);
-        return classify(grid, tf, 1);
+        return classified(grid, tf, mip_level);
     };
-    const ExtinctionPyramid u8 = fill(VoxelType::u8, std::uint8_t{}), u16 = fill(VoxelType::u16, std::uint16_t{});
-    const ExtinctionPyramid i16 = fill(VoxelType::i16, std::int16_t{}), f32 = fill(VoxelType::f32, float{});
-    for (const ExtinctionPyramid* other : {&u16, &i16, &f32}) {
-        EXPECT_FLOAT_EQ(other->scale, u8.scale);
-        for (std::size_t l = 0; l < 2; ++l)
-            EXPECT_TRUE(
-                std::equal(u8.levels[l].stored.begin(), u8.levels[l].stored.end(), other->levels[l].stored.begin()));
+    for (const int level : {0, 1}) {
+        const ExtinctionGrid u8 = fill(VoxelType::u8, std::uint8_t{}, level);
+        const ExtinctionGrid others[] = {fill(VoxelType::u16, std::uint16_t{}, level),
+                                         fill(VoxelType::i16, std::int16_t{}, level),
+                                         fill(VoxelType::f32, float{}, level)};
+        for (const ExtinctionGrid& other : others) {
+            EXPECT_FLOAT_EQ(other.scale, u8.scale);
+            EXPECT_TRUE(std::equal(u8.stored.begin(), u8.stored.end(), other.stored.begin()));
+        }
+        EXPECT_EQ(u8.bytes(), level == 0 ? 2U * 7 * 5 * 3 : 2U * 4 * 3 * 2);
     }
-    EXPECT_EQ(u8.bytes(), 7U * 5 * 3 + 4U * 3 * 2);
 }
 
 TEST(Classify, DitherKeepsThinMediaOnAverage)
@@ -58,27 +63,87 @@ TEST(Classify, DitherKeepsThinMediaOnAverage)
     const Vec3i size{64, 64, 16};
     ScalarGrid volume = fill_i16(size, Affine3d{}, [](double, double, double) { return 1.0; });
     volume.voxels<std::int16_t>()[0] = 2550;
-    const ExtinctionPyramid pyramid = classify(volume, TransferFunction({{0.0, 0.0}, {2550.0, 255.0}}), 2);
-    const double count = static_cast<double>(volume.voxel_count()) - 1.0;
-    // Standard error of the mean of a 0/1 variable with p = 0.1 over 65535 voxels: 0.0012.
-    EXPECT_NEAR((total(pyramid.levels[0]) - 255.0) / count, 0.1, 0.005);
-    EXPECT_NEAR((8.0 * total(pyramid.levels[1]) - 255.0) / count, 0.1, 0.01);
-    EXPECT_NEAR((64.0 * total(pyramid.levels[2]) - 255.0) / count, 0.1, 0.03);
+    const TransferFunction tf({{0.0, 0.0}, {2550.0, 255.0}});
+    for (const int level : {0, 1, 2}) {
+        const double voxels = static_cast<double>(volume.voxel_count() >> (3 * level));
+        // The mean of 0/1 variables with p = 0.1, to four standard errors; the opaque voxel is left out.
+        const double mean = (total(classified(volume, tf, level)) - 255.0 / std::exp2(3.0 * level)) / voxels;
+        EXPECT_NEAR(mean, 0.1, 4.0 * 0.3 / std::sqrt(voxels)) << level;
+    }
 }
 
 TEST(Classify, MipsKeepExtinctionTimesLengthAtOddEnds)
 {
     const Vec3i size{5, 7, 9};
-    const ExtinctionPyramid fine = homogeneous(size, Affine3d{}, 2.0);
     const ScalarGrid volume = fill_i16(size, Affine3d{}, [](double, double, double) { return 7.0; });
-    const ExtinctionPyramid pyramid = classify(volume, TransferFunction({{7.0, 2.0}}), 4);
-    ASSERT_EQ(pyramid.levels.size(), 5U);
-    EXPECT_EQ(pyramid.levels[1].size, (Vec3i{3, 4, 5}));
-    EXPECT_EQ(pyramid.levels[2].size, (Vec3i{2, 2, 3}));
-    EXPECT_EQ(pyramid.levels[4].size, (Vec3i{1, 1, 1}));
-    EXPECT_EQ(pyramid.levels[1].stored[0], 255);
-    EXPECT_NEAR(pyramid.levels[1].stored[2], 127.5, 0.51); // one of two voxels along x is missing
-    EXPECT_NEAR(8.0 * total(pyramid.levels[1]), total(fine.levels[0]), 8.0 * 0.5 * 3 * 4 * 5);
+    const auto level = [&](int l) { return classified(volume, TransferFunction({{7.0, 2.0}}), l); };
+    const ExtinctionGrid fine = level(0), half = level(1);
+    EXPECT_EQ(half.volume_size, size);
+    EXPECT_EQ(half.mip_level, 1);
+    EXPECT_EQ(half.size, (Vec3i{3, 4, 5}));
+    EXPECT_EQ(level(2).size, (Vec3i{2, 2, 3}));
+    EXPECT_EQ(level(4).size, (Vec3i{1, 1, 1}));
+    EXPECT_EQ(half.stored[0], 255);
+    EXPECT_NEAR(half.stored[2], 127.5, 0.51); // one of two voxels along x is missing
+    EXPECT_NEAR(8.0 * total(half), total(fine), 8.0 * 0.5 * 3 * 4 * 5);
+}
+
+TEST(Classify, EveryLevelIsTheRoundedMeanOfTheFinestVoxels)
+{
+    const TransferFunction tf({{0.0, 0.0}, {100.0, 1.0}, {1000.0, 4.0}});
+    for (const Vec3i size : {Vec3i{1, 1, 1}, {37, 11, 5}, {130, 3, 6}, {3, 2, 300}, {2, 300, 3}, {300, 2, 3}}) {
+        const ScalarGrid volume = smoke_like(size, Affine3d{});
+        for (int level = 0; level <= 13; ++level) {
+            const ExtinctionGrid grid = classified(volume, tf, level);
+            const double inverse_volume = std::exp2(-3.0 * level);
+            for (int k = 0; k < grid.size.z; ++k)
+                for (int j = 0; j < grid.size.y; ++j)
+                    for (int i = 0; i < grid.size.x; ++i) {
+                        double mean = 0.0;
+                        for (int z = k << level; z < std::min((k + 1) << level, size.z); ++z)
+                            for (int y = j << level; y < std::min((j + 1) << level, size.y); ++y)
+                                for (int x = i << level; x < std::min((i + 1) << level, size.x); ++x)
+                                    mean += tf.evaluate(volume.value(x, y, z)).extinction * inverse_volume;
+                        const double steps = grid.scale > 0.0F ? mean / static_cast<double>(grid.scale) : 0.0;
+                        const std::size_t index = static_cast<std::size_t>((k * grid.size.y + j) * grid.size.x + i);
+                        // Rounded up or down, nothing else.
+                        ASSERT_GT(grid.stored[index], steps - 1.0 - 1e-3) << level;
+                        ASSERT_LT(grid.stored[index], steps + 1.0 + 1e-3) << level;
+                    }
+        }
+    }
+}
+
+TEST(Classify, CoarseLevelsDoNotOverflow)
+{
+    // 2^24 voxels of the largest value in one level voxel, and level voxels that hold next to nothing.
+    ScalarGrid volume(VoxelType::u8, {256, 256, 256}, Affine3d{});
+    std::fill_n(volume.voxels<std::uint8_t>(), volume.voxel_count(), std::uint8_t{255});
+    const TransferFunction tf({{0.0, 0.0}, {255.0, 1.0}});
+    EXPECT_EQ(classified(volume, tf, 8).stored[0], 255);
+    EXPECT_NEAR(classified(volume, tf, 9).stored[0], 255.0 / 8.0, 1.0);
+    EXPECT_LE(classified(volume, tf, 13).stored[0], 1);
+    const ExtinctionGrid quarter = classified(volume, tf, 6);
+    EXPECT_EQ(std::count(quarter.stored.begin(), quarter.stored.end(), 255), 64);
+}
+
+TEST(Classify, LayoutsAgree)
+{
+    for (const Vec3i size : {Vec3i{1, 1, 1}, {67, 1, 3}, {1, 70, 2}, {33, 65, 7}, {129, 130, 3}, {16, 192, 4}})
+        for (const int level : {0, 1}) {
+            const ScalarGrid volume = smoke_like(size, Affine3d{});
+            const ExtinctionGrid grid = classified(volume, smoke(), level);
+            const ExtinctionGrid straight = classified(volume, smoke(), level, ExtinctionLayouts::straight);
+            EXPECT_TRUE(straight.transposed.empty());
+            EXPECT_EQ(grid.bytes(), 2 * straight.bytes());
+            ASSERT_TRUE(std::equal(grid.stored.begin(), grid.stored.end(), straight.stored.begin()));
+            const Vec3i n = grid.size;
+            for (int k = 0; k < n.z; ++k)
+                for (int j = 0; j < n.y; ++j)
+                    for (int i = 0; i < n.x; ++i)
+                        ASSERT_EQ(grid.transposed[static_cast<std::size_t>((i * n.z + k) * n.y + j)],
+                                  grid.stored[static_cast<std::size_t>((k * n.y + j) * n.x + i)]);
+        }
 }
 
 TEST(Classify, NonFiniteVoxelsAndNoExtinctionAreEmpty)
@@ -89,33 +154,38 @@ TEST(Classify, NonFiniteVoxelsAndNoExtinctionAreEmpty)
     v[1] = std::numeric_limits<float>::infinity();
     v[2] = 1.0F;
     v[3] = -std::numeric_limits<float>::infinity();
-    const ExtinctionPyramid pyramid = classify(volume, TransferFunction({{0.0, 3.0}}), 0);
-    EXPECT_EQ(pyramid.levels[0].stored[0], 0);
-    EXPECT_EQ(pyramid.levels[0].stored[1], 0);
-    EXPECT_EQ(pyramid.levels[0].stored[2], 255);
-    EXPECT_EQ(pyramid.levels[0].stored[3], 0);
-    EXPECT_EQ(classify(volume, TransferFunction({{0.0, 0.0}}), 0).scale, 0.0F);
+    const ExtinctionGrid grid = classified(volume, TransferFunction({{0.0, 3.0}}));
+    EXPECT_EQ(grid.stored[0], 0);
+    EXPECT_EQ(grid.stored[1], 0);
+    EXPECT_EQ(grid.stored[2], 255);
+    EXPECT_EQ(grid.stored[3], 0);
+    EXPECT_EQ(classified(volume, TransferFunction({{0.0, 0.0}})).scale, 0.0F);
+    v[2] = v[0];
+    const ExtinctionGrid nothing = classified(volume, TransferFunction({{0.0, 3.0}}));
+    EXPECT_EQ(nothing.scale, 0.0F);
+    EXPECT_EQ(total(nothing), 0.0);
 }
 
 TEST(Classify, SameForAnyNumberOfThreads)
 {
     const ScalarGrid volume = smoke_like({33, 21, 17}, Affine3d{});
-    const ExtinctionPyramid expected = classify(volume, smoke(), 2);
-    for (const int threads : {1, 2, 7}) {
-        tbb::task_arena arena(threads);
-        const ExtinctionPyramid pyramid = arena.execute([&] { return classify(volume, smoke(), 2); });
-        EXPECT_EQ(pyramid.scale, expected.scale);
-        for (std::size_t l = 0; l < 3; ++l)
-            EXPECT_TRUE(std::equal(expected.levels[l].stored.begin(), expected.levels[l].stored.end(),
-                                   pyramid.levels[l].stored.begin()));
+    for (const int level : {0, 2}) {
+        const ExtinctionGrid expected = classified(volume, smoke(), level);
+        for (const int threads : {1, 2, 7}) {
+            tbb::task_arena arena(threads);
+            const ExtinctionGrid grid = arena.execute([&] { return classified(volume, smoke(), level); });
+            EXPECT_EQ(grid.scale, expected.scale);
+            EXPECT_TRUE(std::equal(expected.stored.begin(), expected.stored.end(), grid.stored.begin()));
+            EXPECT_TRUE(std::equal(expected.transposed.begin(), expected.transposed.end(), grid.transposed.begin()));
+        }
     }
 }
 
 TEST(Classify, RefusesImpossibleLevels)
 {
     const ScalarGrid volume = smoke_like({4, 4, 4}, Affine3d{});
-    EXPECT_THROW(classify(volume, smoke(), -1), Error);
-    EXPECT_THROW(classify(volume, smoke(), 99), Error);
+    EXPECT_THROW(classified(volume, smoke(), -1), Error);
+    EXPECT_THROW(classified(volume, smoke(), 14), Error);
 }
 
 } // namespace

@@ -73,11 +73,18 @@ inline TransferFunction bone() { return TransferFunction({{150.0, 0.0}, {600.0, 
 /// Optical depths of about 3 across smoke_like of about 100 world units.
 inline TransferFunction smoke() { return TransferFunction({{0.0, 0.0}, {1000.0, 0.12}}); }
 
+/// With the volume's own range.
+inline ExtinctionGrid classified(const ScalarGrid& volume, const TransferFunction& transfer_function, int mip_level = 0,
+                                 ExtinctionLayouts layouts = ExtinctionLayouts::with_transposed)
+{
+    return classify(volume, raw_range(volume), transfer_function, mip_level, layouts);
+}
+
 /// A medium of one extinction.
-inline ExtinctionPyramid homogeneous(Vec3i size, const Affine3d& world_from_voxel, double sigma)
+inline ExtinctionGrid homogeneous(Vec3i size, const Affine3d& world_from_voxel, double sigma)
 {
     const ScalarGrid volume = fill_i16(size, world_from_voxel, [](double, double, double) { return 7.0; });
-    return classify(volume, TransferFunction({{7.0, sigma}}), 0);
+    return classified(volume, TransferFunction({{7.0, sigma}}));
 }
 
 } // namespace lumisweep::test

@@ -30,9 +30,9 @@ VisibilitySettings settings_of(int directions, int cell, int rays, SweepFilter f
     return settings;
 }
 
-VisibilityGrid swept(const ExtinctionPyramid& extinction, const VisibilitySettings& settings)
+VisibilityGrid swept(const ExtinctionGrid& extinction, const VisibilitySettings& settings)
 {
-    VisibilityGrid grid(extinction.levels[0].size, settings.cell, settings.directions);
+    VisibilityGrid grid(extinction.volume_size, settings.cell, settings.directions);
     sweep_visibility(grid, extinction, settings);
     return grid;
 }
@@ -48,7 +48,7 @@ void expect_closed_form(Vec3i size, const Affine3d& world_from_voxel, int direct
     // Optical depths from 0 to about 3 across the longest side.
     const double diagonal = length(world_from_voxel.vector({1.0 * size.x, 1.0 * size.y, 1.0 * size.z}));
     const double sigma = 3.0 / diagonal;
-    const ExtinctionPyramid medium = homogeneous(size, world_from_voxel, sigma);
+    const ExtinctionGrid medium = homogeneous(size, world_from_voxel, sigma);
     const VisibilityGrid grid = swept(medium, settings_of(directions, cell, all_rays, SweepFilter::none));
     const Affine3d voxel_from_world = inverse(world_from_voxel);
     const Vec3i cells = grid.cells();
@@ -112,7 +112,7 @@ TEST(Sweep, MatchesBruteForceOnHardVolumes)
 {
     // Against the same classified volume, interpolated trilinearly, at random cells for all 64 directions.
     const auto rms = [](const ScalarGrid& volume, const TransferFunction& tf, int cell) {
-        const ExtinctionPyramid extinction = classify(volume, tf, 0);
+        const ExtinctionGrid extinction = classified(volume, tf, 0);
         return sweep_check(swept(extinction, settings_of(8, cell, all_rays, SweepFilter::none)), extinction, 60, 11)
             .rms;
     };
@@ -125,28 +125,29 @@ TEST(Sweep, MatchesBruteForceOnHardVolumes)
 
 TEST(Sweep, HalfTheRaysAreNearlyAsGood)
 {
-    const Vec3i size{96, 80, 112};
-    const ExtinctionPyramid smoky = classify(smoke_like(size, Affine3d{}), smoke(), 1);
-    EXPECT_LE(sweep_check(swept(smoky, settings_of(8, 4, 56, SweepFilter::none)), smoky, 60, 12).rms, 0.004);
+    const auto rms = [](const ScalarGrid& volume) {
+        const ExtinctionGrid half = classified(volume, smoke(), 1), finest = classified(volume, smoke());
+        return sweep_check(swept(half, settings_of(8, 4, 56, SweepFilter::none)), finest, 60, 12).rms;
+    };
+    EXPECT_LE(rms(smoke_like({96, 80, 112}, Affine3d{})), 0.004);
     // An odd end: the coarse level's last voxels are partly empty.
-    const ExtinctionPyramid odd = classify(smoke_like({95, 79, 111}, Affine3d{}), smoke(), 1);
-    EXPECT_LE(sweep_check(swept(odd, settings_of(8, 4, 56, SweepFilter::none)), odd, 60, 12).rms, 0.004);
+    EXPECT_LE(rms(smoke_like({95, 79, 111}, Affine3d{})), 0.004);
 }
 
 TEST(Sweep, FilterComesCloserToAveragesOverCellAndTexel)
 {
-    const auto rms_averaged = [](const ExtinctionPyramid& extinction, SweepFilter filter) {
+    const auto rms_averaged = [](const ExtinctionGrid& extinction, SweepFilter filter) {
         return sweep_check(swept(extinction, settings_of(8, 4, all_rays, filter)), extinction, 40, 13).rms_averaged;
     };
-    const ExtinctionPyramid ct = classify(ct_like({112, 104, 96}, Affine3d{}), bone(), 0);
+    const ExtinctionGrid ct = classified(ct_like({112, 104, 96}, Affine3d{}), bone(), 0);
     EXPECT_LT(rms_averaged(ct, SweepFilter::half_angle), 0.9 * rms_averaged(ct, SweepFilter::none));
-    const ExtinctionPyramid smoky = classify(smoke_like({96, 80, 112}, Affine3d{}), smoke(), 0);
+    const ExtinctionGrid smoky = classified(smoke_like({96, 80, 112}, Affine3d{}), smoke(), 0);
     EXPECT_LT(rms_averaged(smoky, SweepFilter::half_angle), rms_averaged(smoky, SweepFilter::none));
 }
 
 TEST(Sweep, SameBitsForAnyNumberOfThreads)
 {
-    const ExtinctionPyramid ct = classify(ct_like({45, 38, 41}, oblique()), bone(), 0);
+    const ExtinctionGrid ct = classified(ct_like({45, 38, 41}, oblique()), bone(), 0);
     const VisibilitySettings settings = settings_of(8, 3, all_rays, SweepFilter::half_angle);
     const VisibilityGrid expected = swept(ct, settings);
     for (const int threads : {1, 2, 7}) {
@@ -157,7 +158,7 @@ TEST(Sweep, SameBitsForAnyNumberOfThreads)
 
 TEST(Sweep, SubsetsTouchOnlyTheirDirections)
 {
-    const ExtinctionPyramid ct = classify(ct_like({30, 26, 28}, Affine3d{}), bone(), 0);
+    const ExtinctionGrid ct = classified(ct_like({30, 26, 28}, Affine3d{}), bone(), 0);
     const VisibilitySettings settings = settings_of(8, 4, all_rays, SweepFilter::half_angle);
     const VisibilityGrid all = swept(ct, settings);
     VisibilityGrid grid({30, 26, 28}, 4, 8);
@@ -172,7 +173,7 @@ TEST(Sweep, SubsetsTouchOnlyTheirDirections)
 
 TEST(Sweep, CancelLeavesOldValues)
 {
-    const ExtinctionPyramid ct = classify(ct_like({30, 26, 28}, Affine3d{}), bone(), 0);
+    const ExtinctionGrid ct = classified(ct_like({30, 26, 28}, Affine3d{}), bone(), 0);
     const VisibilitySettings settings = settings_of(8, 4, all_rays, SweepFilter::half_angle);
     VisibilityGrid grid({30, 26, 28}, 4, 8);
     const VisibilityGrid before({30, 26, 28}, 4, 8);
@@ -183,7 +184,7 @@ TEST(Sweep, CancelLeavesOldValues)
 
 TEST(Sweep, EmptyVolumeIsAllVisible)
 {
-    const ExtinctionPyramid empty = homogeneous({10, 11, 12}, Affine3d{}, 0.0);
+    const ExtinctionGrid empty = homogeneous({10, 11, 12}, Affine3d{}, 0.0);
     VisibilityGrid grid({10, 11, 12}, 4, 4);
     std::memset(grid.direction(0), 3, grid.bytes());
     sweep_visibility(grid, empty, settings_of(4, 4, 0, SweepFilter::half_angle));
@@ -203,12 +204,15 @@ TEST(Sweep, RaysChooseTheLevel)
 
 TEST(Sweep, RefusesWhatDoesNotFit)
 {
-    const ExtinctionPyramid ct = classify(ct_like({30, 26, 28}, Affine3d{}), bone(), 0);
+    const ExtinctionGrid ct = classified(ct_like({30, 26, 28}, Affine3d{}), bone(), 0);
     VisibilityGrid grid({30, 26, 28}, 4, 8);
     EXPECT_THROW(sweep_visibility(grid, ct, settings_of(4, 4, 0, SweepFilter::none)), Error);
     EXPECT_THROW(sweep_visibility(grid, ct, settings_of(8, 5, 0, SweepFilter::none)), Error);
-    EXPECT_THROW(sweep_visibility(grid, ct, settings_of(8, 4, 15, SweepFilter::none)), Error); // level 1 is missing
-    EXPECT_THROW(sweep_visibility(grid, ExtinctionPyramid{}, settings_of(8, 4, 0, SweepFilter::none)), Error);
+    EXPECT_THROW(sweep_visibility(grid, ct, settings_of(8, 4, 15, SweepFilter::none)), Error); // needs level 1
+    const ExtinctionGrid straight =
+        classified(ct_like({30, 26, 28}, Affine3d{}), bone(), 0, ExtinctionLayouts::straight);
+    EXPECT_THROW(sweep_visibility(grid, straight, settings_of(8, 4, 0, SweepFilter::none)), Error);
+    EXPECT_THROW(sweep_visibility(grid, ExtinctionGrid{}, settings_of(8, 4, 0, SweepFilter::none)), Error);
     const std::vector<int> outside{64};
     EXPECT_THROW(sweep_visibility(grid, ct, settings_of(8, 4, 0, SweepFilter::none), outside), Error);
 }

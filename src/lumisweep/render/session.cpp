@@ -11,6 +11,7 @@
 #include "lumisweep/render/scene_view.h"
 #include "lumisweep/sampling/joint_grid.h"
 #include "lumisweep/volume/majorant_grid.h"
+#include "lumisweep/volume/raw_range.h"
 
 namespace lumisweep {
 
@@ -83,6 +84,7 @@ struct Session::State {
     SessionStats stats;
 
     BoundsGrid bounds;
+    RawRange raw_range;
     MajorantGrid majorants;
     VisibilityGrid visibility;
     JointGrid joint;
@@ -233,6 +235,7 @@ void Session::prepare(const std::atomic<bool>* cancel)
     if (s.stale_bounds) {
         const Stopwatch watch(s.stats.bounds_s);
         s.bounds = BoundsGrid(*s.input.volume);
+        s.raw_range = raw_range(*s.input.volume);
         s.stale_bounds = false;
     }
     if (s.stale_majorants) {
@@ -246,10 +249,11 @@ void Session::prepare(const std::atomic<bool>* cancel)
     if (s.stale_visibility) {
         const VisibilitySettings& settings = s.input.visibility;
         const Vec3i size = s.input.volume->size();
-        ExtinctionPyramid extinction;
+        ExtinctionGrid extinction;
         {
             const Stopwatch watch(s.stats.classify_s);
-            extinction = classify(*s.input.volume, s.input.transfer_function, sweep_mip_level(size, settings.rays));
+            extinction =
+                classify(*s.input.volume, s.raw_range, s.input.transfer_function, sweep_mip_level(size, settings.rays));
         }
         const Stopwatch watch(s.stats.sweep_s);
         VisibilityGrid grid(size, settings.cell, settings.directions);
@@ -328,8 +332,8 @@ std::uint64_t Session::memory_needed(const Vec3i& volume_size, const ImageSettin
         const std::uint64_t cells = count(VisibilityGrid::cells_of(volume_size, visibility.cell));
         const std::uint64_t directions =
             static_cast<std::uint64_t>(visibility.directions) * static_cast<std::uint64_t>(visibility.directions);
-        // While sweeping: the classified volume with its mips and a transposed copy, a byte a voxel each.
-        const std::uint64_t sweeping = count(volume_size) * 5 / 2;
+        // While sweeping: the classified level and its transposed copy, a byte a voxel each.
+        const std::uint64_t sweeping = count(volume_size) * 2;
         bytes += cells * directions;
         bytes += std::max<std::uint64_t>(sweeping, JointGrid::bytes_needed(cells, visibility.directions));
     }

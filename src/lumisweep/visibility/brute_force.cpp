@@ -68,19 +68,17 @@ Vec3d cell_side(const VisibilityGrid& grid, Vec3i volume_size)
 
 } // namespace
 
-double transmittance_classified(const ExtinctionPyramid& extinction, int level, const Vec3d& p_voxel,
-                                const Vec3d& w_world)
+double transmittance_classified(const ExtinctionGrid& extinction, const Vec3d& p_voxel, const Vec3d& w_world)
 {
-    const ExtinctionGrid& grid = extinction.levels.at(static_cast<std::size_t>(level));
-    const double level_from_voxel = std::ldexp(1.0, -level);
+    const double level_from_voxel = std::ldexp(1.0, -extinction.mip_level);
     const Vec3d p = p_voxel * level_from_voxel;
     const Vec3d w = inverse(extinction.world_from_voxel).vector(w_world) * level_from_voxel; // per world unit
-    const double end = distance_to_outside(p, w, grid.size);
+    const double end = distance_to_outside(p, w, extinction.size);
 
     std::vector<double> cuts{0.0, end};
     for (int axis = 0; axis < 3; ++axis) {
         const double x = component(p, axis), dx = component(w, axis);
-        for (int k = 0; dx != 0.0 && k < component(grid.size, axis); ++k) {
+        for (int k = 0; dx != 0.0 && k < component(extinction.size, axis); ++k) {
             const double t = (k + 0.5 - x) / dx;
             if (t > 0.0 && t < end)
                 cuts.push_back(t);
@@ -91,9 +89,9 @@ double transmittance_classified(const ExtinctionPyramid& extinction, int level, 
     const double node = 0.5 / std::sqrt(3.0);
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
         const double middle = 0.5 * (cuts[i] + cuts[i + 1]), width = cuts[i + 1] - cuts[i];
-        optical_depth +=
-            0.5 * width *
-            (interpolate(grid, p + w * (middle - node * width)) + interpolate(grid, p + w * (middle + node * width)));
+        optical_depth += 0.5 * width *
+                         (interpolate(extinction, p + w * (middle - node * width)) +
+                          interpolate(extinction, p + w * (middle + node * width)));
     }
     return std::exp(-optical_depth * static_cast<double>(extinction.scale));
 }
@@ -113,11 +111,11 @@ double transmittance_exact(const ScalarGrid& volume, const TransferFunction& tra
     return steps > 0 ? std::exp(-optical_depth * end / static_cast<double>(steps)) : 1.0;
 }
 
-double transmittance_averaged(const ExtinctionPyramid& extinction, const VisibilityGrid& grid, Vec3i cell,
-                              int direction, int strata, std::uint64_t seed)
+double transmittance_averaged(const ExtinctionGrid& extinction, const VisibilityGrid& grid, Vec3i cell, int direction,
+                              int strata, std::uint64_t seed)
 {
     std::mt19937_64 random(seed);
-    const Vec3d side = cell_side(grid, extinction.levels.at(0).size);
+    const Vec3d side = cell_side(grid, extinction.volume_size);
     const int n = grid.directions_per_side();
     const TexelXY<std::int32_t> texel = morton_decode<std::int32_t>(direction);
     const int samples = strata * strata * strata;
@@ -136,15 +134,14 @@ double transmittance_averaged(const ExtinctionPyramid& extinction, const Visibil
         const double u = (stratum / strata + shift.x) / (strata * strata);
         const double v = (stratum % strata + shift.y) / strata;
         const Vec3d w_world = direction_from_oct(UV<double>{(texel.x + u) / n, (texel.y + v) / n});
-        sum += transmittance_classified(extinction, 0, p_voxel, w_world);
+        sum += transmittance_classified(extinction, p_voxel, w_world);
     }
     return sum / samples;
 }
 
-VisibilityGrid brute_force_visibility(const ExtinctionPyramid& extinction, int level, int voxels_per_cell,
-                                      int directions_per_side)
+VisibilityGrid brute_force_visibility(const ExtinctionGrid& extinction, int voxels_per_cell, int directions_per_side)
 {
-    const Vec3i size = extinction.levels.at(0).size;
+    const Vec3i size = extinction.volume_size;
     VisibilityGrid grid(size, voxels_per_cell, directions_per_side);
     const Vec3d side = cell_side(grid, size);
     parallel_for(0, grid.direction_count(), [&](int d) {
@@ -153,18 +150,17 @@ VisibilityGrid brute_force_visibility(const ExtinctionPyramid& extinction, int l
             for (int j = 0; j < grid.cells().y; ++j)
                 for (int i = 0; i < grid.cells().x; ++i) {
                     const Vec3d p_voxel = Vec3d{i + 0.5, j + 0.5, k + 0.5} * side;
-                    const double v = transmittance_classified(extinction, level, p_voxel, w_world);
+                    const double v = transmittance_classified(extinction, p_voxel, w_world);
                     grid.direction(d)[grid.cell_index(i, j, k)] = static_cast<std::uint8_t>(std::lround(v * 255.0));
                 }
     });
     return grid;
 }
 
-SweepCheck sweep_check(const VisibilityGrid& grid, const ExtinctionPyramid& extinction, int positions,
-                       std::uint64_t seed)
+SweepCheck sweep_check(const VisibilityGrid& grid, const ExtinctionGrid& extinction, int positions, std::uint64_t seed)
 {
     require(positions >= 1, "sweep check: {} positions (use at least 1)", positions);
-    const Vec3i size = extinction.levels.at(0).size, cells = grid.cells();
+    const Vec3i size = extinction.volume_size, cells = grid.cells();
     require(cells.x >= 1 && cells.x <= size.x && cells.y >= 1 && cells.y <= size.y && cells.z >= 1 && cells.z <= size.z,
             "sweep check: the grid has {} x {} x {} cells, more than the volume has voxels", cells.x, cells.y, cells.z);
     const Vec3d side = cell_side(grid, size);
@@ -182,7 +178,7 @@ SweepCheck sweep_check(const VisibilityGrid& grid, const ExtinctionPyramid& exti
         for (int d = 0; d < grid.direction_count(); ++d) {
             const double v = grid.direction(d)[grid.cell_index(cell.x, cell.y, cell.z)] / 255.0;
             const Vec3d w_world = texel_direction(d, grid.directions_per_side());
-            const double point = std::fabs(v - transmittance_classified(extinction, 0, p_voxel, w_world));
+            const double point = std::fabs(v - transmittance_classified(extinction, p_voxel, w_world));
             const double averaged = std::fabs(v - transmittance_averaged(extinction, grid, cell, d, 4, random()));
             e.squares += point * point;
             e.max = std::max(e.max, point);

@@ -16,25 +16,23 @@ namespace lumisweep {
 /// Transmittance from p_voxel (finest voxels) along the unit vector w_world until outside of the level's box. Between
 /// planes of voxel centres the trilinear extinction along a ray is a cubic polynomial, which two-point Gauss–Legendre
 /// integrates exactly.
-double transmittance_classified(const ExtinctionPyramid& extinction, int level, const Vec3d& p_voxel,
-                                const Vec3d& w_world);
+double transmittance_classified(const ExtinctionGrid& extinction, const Vec3d& p_voxel, const Vec3d& w_world);
 
 /// Transmittance in the renderer's sense. `step_voxels` is the length of a midpoint step, measured in voxel index
 /// space.
 double transmittance_exact(const ScalarGrid& volume, const TransferFunction& transfer_function, const Vec3d& p_voxel,
                            const Vec3d& w_world, double step_voxels);
 
-/// transmittance_classified on the finest level, averaged over cell (i, j, k) of `grid` and texel `direction`, by
+/// transmittance_classified, averaged over cell (i, j, k) of `grid` and texel `direction`, by
 /// strata³ positions paired at random with strata³ directions, both jittered.
-double transmittance_averaged(const ExtinctionPyramid& extinction, const VisibilityGrid& grid, Vec3i cell,
-                              int direction, int strata, std::uint64_t seed);
+double transmittance_averaged(const ExtinctionGrid& extinction, const VisibilityGrid& grid, Vec3i cell, int direction,
+                              int strata, std::uint64_t seed);
 
 /// The whole grid from transmittance_classified at cell and texel centres.
-VisibilityGrid brute_force_visibility(const ExtinctionPyramid& extinction, int level, int voxels_per_cell,
-                                      int directions_per_side);
+VisibilityGrid brute_force_visibility(const ExtinctionGrid& extinction, int voxels_per_cell, int directions_per_side);
 
-/// How far a grid is off at random cells, all directions of each. Against `classified` on the finest level and
-/// `averaged`.
+/// How far a grid is off at random cells, all directions of each: against `classified` and against `averaged`, both in
+/// the extinction grid given, which is level 0 where the finest volume is meant.
 struct SweepCheck {
     int positions = 0;
     double rms = 0.0, max = 0.0;
@@ -42,7 +40,6 @@ struct SweepCheck {
 };
 
 /// The same positions for the same seed, whatever the number of threads. Throws Error unless `grid` fits the volume.
-SweepCheck sweep_check(const VisibilityGrid& grid, const ExtinctionPyramid& extinction, int positions,
-                       std::uint64_t seed);
+SweepCheck sweep_check(const VisibilityGrid& grid, const ExtinctionGrid& extinction, int positions, std::uint64_t seed);
 
 } // namespace lumisweep

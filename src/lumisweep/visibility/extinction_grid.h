@@ -1,31 +1,38 @@
-// The classified volume that sweeps march through: extinction per voxel in 8 bits, and its mips.
+// The classified volume that sweeps march through: extinction per level voxel in 8 bits, one mip level.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "lumisweep/base/aligned.h"
+#include "lumisweep/volume/raw_range.h"
 #include "lumisweep/volume/scalar_grid.h"
 #include "lumisweep/volume/transfer_function.h"
 
 namespace lumisweep {
 
-/// One level: extinction = scale · stored, in 1/world unit, at voxel centres. Rounding is dithered, so that thin media
-/// below half a step survive on average. Level l has ceil(size / 2^l) voxels of 2^l × the finest voxel's sides.
+/// Extinction = scale · stored, in 1/world unit, at the centres of level voxels. Rounding is dithered, so that thin
+/// media below half a step survive on average. Voxels are classified before interpolation (the renderer interpolates
+/// first), which is why visibility from here only steers sampling.
 struct ExtinctionGrid {
-    Vec3i size{0, 0, 0};
-    AlignedArray<std::uint8_t> stored;
+    Vec3i volume_size{0, 0, 0};            ///< finest voxels
+    Affine3d world_from_voxel;             ///< of the finest level
+    int mip_level = 0;                     ///< a level voxel is 2^mip_level finest voxels a side
+    Vec3i size{0, 0, 0};                   ///< level voxels: ceil(volume_size / 2^mip_level)
+    float scale = 0.0F;                    ///< extinction of one stored step; 0 for an empty volume
+    AlignedArray<std::uint8_t> stored;     ///< [z][y][x], x fastest
+    AlignedArray<std::uint8_t> transposed; ///< [x][z][y], y fastest: for sweeps along x; empty unless asked for
+    std::size_t bytes() const { return stored.bytes() + transposed.bytes(); }
 };
 
-/// Classified before interpolation (the renderer interpolates first), which is why its visibility only steers sampling.
-struct ExtinctionPyramid {
-    Affine3d world_from_voxel; ///< of the finest level
-    float scale = 0.0F;        ///< extinction of stored = 1; 0 for an empty volume
-    std::vector<ExtinctionGrid> levels;
-    std::size_t bytes() const;
-};
+/// Which memory layouts a grid gets. Sweeps along x need the transposed copy, those along y and z do not.
+enum class ExtinctionLayouts { straight, with_transposed };
 
-/// Classifies every voxel and builds levels 0 … mip_level. Non-finite voxels are empty.
-ExtinctionPyramid classify(const ScalarGrid& volume, const TransferFunction& transfer_function, int mip_level);
+/// Averages the extinction of 2^mip_level finest voxels a side and rounds once. Finest voxels missing at an odd end
+/// count as empty, so that extinction × length is kept; so do voxels that are not finite. `range` is raw_range(volume):
+/// 255 steps are the largest extinction that the transfer function has in it. The result is the same for any number of
+/// threads and every instruction set. Throws Error for a level outside of 0 … 13.
+ExtinctionGrid classify(const ScalarGrid& volume, const RawRange& range, const TransferFunction& transfer_function,
+                        int mip_level, ExtinctionLayouts layouts = ExtinctionLayouts::with_transposed);
 
 } // namespace lumisweep

@@ -16,31 +16,13 @@
 namespace lumisweep {
 namespace {
 
-/// y fastest, then z, then x, in blocks that stay in the first-level cache.
-std::vector<std::uint8_t> transpose(const ExtinctionGrid& grid)
-{
-    const std::size_t nx = static_cast<std::size_t>(grid.size.x), ny = static_cast<std::size_t>(grid.size.y);
-    const std::size_t nz = static_cast<std::size_t>(grid.size.z);
-    std::vector<std::uint8_t> transposed(nx * ny * nz);
-    const std::uint8_t* in = grid.stored.data();
-    constexpr std::size_t block = 64;
-    parallel_for(std::size_t{0}, nz, [&](std::size_t z) {
-        for (std::size_t y0 = 0; y0 < ny; y0 += block)
-            for (std::size_t x0 = 0; x0 < nx; x0 += block)
-                for (std::size_t x = x0; x < std::min(x0 + block, nx); ++x)
-                    for (std::size_t y = y0; y < std::min(y0 + block, ny); ++y)
-                        transposed[(x * nz + z) * ny + y] = in[(z * ny + y) * nx + x];
-    });
-    return transposed;
-}
-
-MarchedVolume prepare(const ExtinctionPyramid& extinction, int level, const std::vector<int>& directions, int n)
+MarchedVolume prepare(const ExtinctionGrid& extinction, const std::vector<int>& directions, int n)
 {
     MarchedVolume volume;
-    const ExtinctionGrid& grid = extinction.levels[static_cast<std::size_t>(level)];
-    volume.size = grid.size;
-    volume.voxels = grid.stored.data();
-    volume.voxels_per_level_voxel = std::ldexp(1.0, level);
+    volume.size = extinction.size;
+    volume.voxels = extinction.stored.data();
+    volume.transposed = extinction.transposed.data();
+    volume.voxels_per_level_voxel = std::ldexp(1.0, extinction.mip_level);
     volume.extinction_of_one = static_cast<double>(extinction.scale);
     Affine3d world_from_level = extinction.world_from_voxel;
     for (Vec3d& column : world_from_level.column)
@@ -49,24 +31,24 @@ MarchedVolume prepare(const ExtinctionPyramid& extinction, int level, const std:
     volume.voxel_sides_world = {length(world_from_level.column[0]), length(world_from_level.column[1]),
                                 length(world_from_level.column[2])};
     for (const int d : directions)
-        if (SweepGeometry(volume.size, volume.level_from_world, texel_direction(d, n)).axis == 0) {
-            volume.transposed = transpose(grid);
-            break;
-        }
+        require(!extinction.transposed.empty() ||
+                    SweepGeometry(volume.size, volume.level_from_world, texel_direction(d, n)).axis != 0,
+                "visibility sweep: direction {} runs along x and needs the transposed layout (see ExtinctionLayouts)",
+                d);
     return volume;
 }
 
-void check(const VisibilityGrid& grid, const ExtinctionPyramid& extinction, const VisibilitySettings& settings,
+void check(const VisibilityGrid& grid, const ExtinctionGrid& extinction, const VisibilitySettings& settings,
            std::span<const int> directions, int level)
 {
     settings.validate();
-    require(!extinction.levels.empty(), "visibility sweep: the volume has not been classified");
+    require(!extinction.stored.empty(), "visibility sweep: the volume has not been classified");
     require(grid.directions_per_side() == settings.directions &&
-                grid.cells() == VisibilityGrid::cells_of(extinction.levels[0].size, settings.cell),
+                grid.cells() == VisibilityGrid::cells_of(extinction.volume_size, settings.cell),
             "visibility sweep: the grid was made for another volume or other visibility settings (make a new one)");
-    require(level < static_cast<int>(extinction.levels.size()),
-            "visibility sweep: mip level {} is needed but only {} levels were classified (see sweep_mip_level)", level,
-            extinction.levels.size());
+    require(level == extinction.mip_level,
+            "visibility sweep: mip level {} is needed but level {} was classified (see sweep_mip_level)", level,
+            extinction.mip_level);
     for (const int d : directions)
         require(d >= 0 && d < grid.direction_count(), "visibility sweep: direction {} is not in 0 to {}", d,
                 grid.direction_count() - 1);
@@ -104,20 +86,18 @@ int sweep_mip_level(Vec3i volume_size, int rays)
     return level;
 }
 
-SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionPyramid& extinction,
-                            const VisibilitySettings& settings, std::span<const int> directions,
-                            const std::atomic<bool>* cancel)
+SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionGrid& extinction, const VisibilitySettings& settings,
+                            std::span<const int> directions, const std::atomic<bool>* cancel)
 {
     const auto begin = std::chrono::steady_clock::now();
-    const Vec3i volume_size = extinction.levels.empty() ? Vec3i{0, 0, 0} : extinction.levels[0].size;
-    const int level = sweep_mip_level(volume_size, settings.rays);
+    const int level = sweep_mip_level(extinction.volume_size, settings.rays);
     check(grid, extinction, settings, directions, level);
 
     const std::vector<int> order = order_of(directions, grid.direction_count());
     const double tan_beta = std::tan(filter_angle(settings.filter, settings.directions));
-    const MarchedVolume volume = prepare(extinction, level, order, settings.directions);
+    const MarchedVolume volume = prepare(extinction, order, settings.directions);
     tbb::enumerable_thread_specific<DirectionSweep> sweep_of_thread(
-        [&] { return DirectionSweep(volume, volume_size, grid.cells(), cancel); });
+        [&] { return DirectionSweep(volume, extinction.volume_size, grid.cells(), cancel); });
     parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
         if (cancel != nullptr && cancel->load(std::memory_order_relaxed))
             return;

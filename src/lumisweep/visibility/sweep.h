@@ -25,8 +25,7 @@ int sweep_mip_level(Vec3i volume_size, int rays);
 /// Sweeps the given directions (Morton indices) of `grid`, which must be of the volume's geometry; all of them when
 /// `directions` is empty. Bias: none in the image; V itself is off by what tests/visibility allow.
 /// When *cancel becomes true, returns early: the directions not yet done keep their old V.
-SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionPyramid& extinction,
-                            const VisibilitySettings& settings, std::span<const int> directions = {},
-                            const std::atomic<bool>* cancel = nullptr);
+SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionGrid& extinction, const VisibilitySettings& settings,
+                            std::span<const int> directions = {}, const std::atomic<bool>* cancel = nullptr);
 
 } // namespace lumisweep

@@ -109,7 +109,7 @@ void DirectionSweep::march_row(const SweepStep& step, int ray_row)
 {
     const SweepGeometry& g = *geometry_;
     const bool across_x = g.axis == 0;
-    const std::uint8_t* voxels = across_x ? volume_.transposed.data() : volume_.voxels;
+    const std::uint8_t* voxels = across_x ? volume_.transposed : volume_.voxels;
     const std::size_t size_x = static_cast<std::size_t>(volume_.size.x),
                       size_y = static_cast<std::size_t>(volume_.size.y);
     const std::size_t slice_stride = across_x      ? size_y * static_cast<std::size_t>(volume_.size.z)

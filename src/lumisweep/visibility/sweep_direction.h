@@ -16,7 +16,7 @@ namespace lumisweep {
 struct MarchedVolume {
     Vec3i size;
     const std::uint8_t* voxels;
-    std::vector<std::uint8_t> transposed;
+    const std::uint8_t* transposed;
     Affine3d level_from_world;
     double voxels_per_level_voxel; ///< finest voxels along a side
     double extinction_of_one;      ///< 1/world unit per stored step

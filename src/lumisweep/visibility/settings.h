@@ -10,6 +10,7 @@ struct VisibilitySettings {
     int cell = 4;       ///< voxels of the volume per visibility cell along each axis, 1 … 64
     int rays = 0;       ///< s of the s × s sweep kernel; 0 is "auto"
     SweepFilter filter = SweepFilter::half_angle;
+    int oversampling = 1; ///< lines swept per direction and averaged: 1, 4 or 16
     /// Added to V before normalising; > 0, else a wrong V = 0 could bias the image. The papers take 0.01; 0.1 leaves as
     /// little noise on average and less where the gain is smallest (docs/results/visibility-settings.md).
     double epsilon = 0.1;

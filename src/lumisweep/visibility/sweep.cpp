@@ -8,34 +8,35 @@
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/task_arena.h>
 
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
-#include "lumisweep/visibility/sweep_direction.h"
+#include "lumisweep/visibility/sweep_march.h"
+#include "lumisweep/visibility/sweep_pair.h"
+#include "lumisweep/visibility/sweep_plan.h"
 
 namespace lumisweep {
 namespace {
 
-MarchedVolume prepare(const ExtinctionGrid& extinction, const std::vector<int>& directions, int n)
+MarchedLevel level_of(const ExtinctionGrid& extinction, Vec3i cells)
 {
-    MarchedVolume volume;
-    volume.size = extinction.size;
-    volume.voxels = extinction.stored.data();
-    volume.transposed = extinction.transposed.data();
-    volume.voxels_per_level_voxel = std::ldexp(1.0, extinction.mip_level);
-    volume.extinction_of_one = static_cast<double>(extinction.scale);
+    MarchedLevel level;
+    level.size = extinction.size;
+    level.voxels = extinction.stored.data();
+    level.transposed = extinction.transposed.data();
+    level.extinction_of_one = static_cast<double>(extinction.scale);
+    const double side = std::ldexp(1.0, extinction.mip_level); // finest voxels
     Affine3d world_from_level = extinction.world_from_voxel;
     for (Vec3d& column : world_from_level.column)
-        column = column * volume.voxels_per_level_voxel;
-    volume.level_from_world = inverse(world_from_level);
-    volume.voxel_sides_world = {length(world_from_level.column[0]), length(world_from_level.column[1]),
-                                length(world_from_level.column[2])};
-    for (const int d : directions)
-        require(!extinction.transposed.empty() ||
-                    SweepGeometry(volume.size, volume.level_from_world, texel_direction(d, n)).axis != 0,
-                "visibility sweep: direction {} runs along x and needs the transposed layout (see ExtinctionLayouts)",
-                d);
-    return volume;
+        column = column * side;
+    level.level_from_world = inverse(world_from_level);
+    level.voxel_sides_world = {length(world_from_level.column[0]), length(world_from_level.column[1]),
+                               length(world_from_level.column[2])};
+    level.cells = cells;
+    const Vec3i& size = extinction.volume_size;
+    level.cell_sides = {size.x / side / cells.x, size.y / side / cells.y, size.z / side / cells.z};
+    return level;
 }
 
 void check(const VisibilityGrid& grid, const ExtinctionGrid& extinction, const VisibilitySettings& settings,
@@ -54,23 +55,94 @@ void check(const VisibilityGrid& grid, const ExtinctionGrid& extinction, const V
                 grid.direction_count() - 1);
 }
 
-/// The directions in the caller's order, each once: no two threads may write the same one.
-std::vector<int> order_of(std::span<const int> directions, int direction_count)
+int threads_of_arena() { return tbb::this_task_arena::max_concurrency(); }
+
+std::vector<SweepTask> plan(const MarchedLevel& level, const VisibilitySettings& settings,
+                            std::span<const int> directions, int threads)
 {
-    std::vector<int> order;
+    std::vector<int> all;
     if (directions.empty()) {
-        order.resize(static_cast<std::size_t>(direction_count));
-        std::iota(order.begin(), order.end(), 0);
-        return order;
+        all.resize(static_cast<std::size_t>(settings.directions) * static_cast<std::size_t>(settings.directions));
+        std::iota(all.begin(), all.end(), 0);
+        directions = all;
     }
-    std::vector<bool> seen(static_cast<std::size_t>(direction_count), false);
-    for (const int d : directions)
-        if (!seen[static_cast<std::size_t>(d)]) {
-            seen[static_cast<std::size_t>(d)] = true;
-            order.push_back(d);
-        }
-    return order;
+    return plan_sweeps(level.size, level.level_from_world, settings, directions,
+                       largest_sweep_group(level.size, level.cells, directions.size(), threads));
 }
+
+/// One thread's working memory and what it did.
+class Worker {
+public:
+    Worker(const MarchedLevel& level, const VisibilitySettings& settings, const std::atomic<bool>* cancel)
+        : level_(level), lines_per_texel_(settings.oversampling), march_(level, sweep_kernels(), cancel),
+          visibility_(level, sweep_kernels(), std::tan(filter_angle(settings.filter, settings.directions)), cancel)
+    {
+    }
+
+    void run(const SweepTask& task, VisibilityGrid& grid)
+    {
+        if (lines_per_texel_ > 1)
+            return run_averaged(task, grid);
+        const SweepGroup& group = task.groups.front();
+        if (!march(group))
+            return;
+        const auto target = [&](int d) { return d >= 0 ? grid.direction(d) : nullptr; };
+        for (std::size_t i = 0; i < group.size(); ++i)
+            if (!visibility_.write(planes_[i], target(group[i].towards_low), target(group[i].towards_high), stats_))
+                return;
+    }
+
+    const SweepStats& stats() const { return stats_; }
+
+private:
+    bool march(const SweepGroup& group)
+    {
+        if (planes_.size() < group.size())
+            planes_.resize(group.size());
+        for (std::size_t i = 0; i < group.size(); ++i)
+            planes_[i].start(level_, group[i].w_world);
+        return march_.run(std::span(planes_).first(group.size()), stats_);
+    }
+
+    /// Averages the lines of two opposite texels.
+    void run_averaged(const SweepTask& task, VisibilityGrid& grid)
+    {
+        const std::vector<int> directions = task.directions();
+        const std::size_t cells = grid.cell_count();
+        std::vector<std::vector<std::uint16_t>> sums(directions.size(), std::vector<std::uint16_t>(cells, 0));
+        std::vector<std::uint8_t> low(cells), high(cells);
+        const auto add = [&](int direction, const std::vector<std::uint8_t>& line) {
+            for (std::size_t i = 0; i < directions.size(); ++i)
+                if (directions[i] == direction)
+                    std::transform(
+                        line.begin(), line.end(), sums[i].begin(), sums[i].begin(),
+                        [](std::uint8_t v, std::uint16_t sum) { return static_cast<std::uint16_t>(sum + v); });
+        };
+        for (const SweepGroup& group : task.groups) {
+            if (!march(group))
+                return;
+            for (std::size_t i = 0; i < group.size(); ++i) {
+                const SweepPair& pair = group[i];
+                if (!visibility_.write(planes_[i], pair.towards_low >= 0 ? low.data() : nullptr,
+                                       pair.towards_high >= 0 ? high.data() : nullptr, stats_))
+                    return;
+                add(pair.towards_low, low);
+                add(pair.towards_high, high);
+            }
+        }
+        const int lines = lines_per_texel_;
+        for (std::size_t i = 0; i < directions.size(); ++i)
+            std::transform(sums[i].begin(), sums[i].end(), grid.direction(directions[i]),
+                           [&](std::uint16_t sum) { return static_cast<std::uint8_t>((sum + lines / 2) / lines); });
+    }
+
+    const MarchedLevel& level_;
+    int lines_per_texel_;
+    GroupMarch march_;
+    PairVisibility visibility_;
+    std::vector<RayPlane> planes_;
+    SweepStats stats_;
+};
 
 } // namespace
 
@@ -86,6 +158,15 @@ int sweep_mip_level(Vec3i volume_size, int rays)
     return level;
 }
 
+std::vector<std::vector<int>> sweep_groups(const ExtinctionGrid& extinction, const VisibilitySettings& settings)
+{
+    const MarchedLevel level = level_of(extinction, VisibilityGrid::cells_of(extinction.volume_size, settings.cell));
+    std::vector<std::vector<int>> groups;
+    for (const SweepTask& task : plan(level, settings, {}, 1))
+        groups.push_back(task.directions());
+    return groups;
+}
+
 SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionGrid& extinction, const VisibilitySettings& settings,
                             std::span<const int> directions, const std::atomic<bool>* cancel)
 {
@@ -93,30 +174,35 @@ SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionGrid& extincti
     const int level = sweep_mip_level(extinction.volume_size, settings.rays);
     check(grid, extinction, settings, directions, level);
 
-    const std::vector<int> order = order_of(directions, grid.direction_count());
-    const double tan_beta = std::tan(filter_angle(settings.filter, settings.directions));
-    const MarchedVolume volume = prepare(extinction, order, settings.directions);
-    tbb::enumerable_thread_specific<DirectionSweep> sweep_of_thread(
-        [&] { return DirectionSweep(volume, extinction.volume_size, grid.cells(), cancel); });
-    parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
+    const MarchedLevel marched = level_of(extinction, grid.cells());
+    const std::vector<SweepTask> tasks = plan(marched, settings, directions, threads_of_arena());
+    for (const SweepTask& task : tasks)
+        for (const SweepGroup& group : task.groups)
+            require(!extinction.transposed.empty() ||
+                        SweepGeometry(marched.size, marched.level_from_world, group.front().w_world).axis != 0,
+                    "visibility sweep: a direction runs along x and needs the transposed layout (see "
+                    "ExtinctionLayouts)");
+    tbb::enumerable_thread_specific<Worker> worker_of_thread([&] { return Worker(marched, settings, cancel); });
+    parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
         if (cancel != nullptr && cancel->load(std::memory_order_relaxed))
             return;
         if (extinction.scale > 0.0F)
-            sweep_of_thread.local().run(texel_direction(order[i], settings.directions), tan_beta, settings.filter,
-                                        grid.direction(order[i]));
+            worker_of_thread.local().run(tasks[i], grid);
         else
-            std::memset(grid.direction(order[i]), 255, grid.cell_count());
+            for (const int d : tasks[i].directions())
+                std::memset(grid.direction(d), 255, grid.cell_count());
     });
 
     SweepStats stats;
-    for (const DirectionSweep& sweep : sweep_of_thread) {
-        stats.march_s += sweep.stats().march_s;
-        stats.lookup_s += sweep.stats().lookup_s;
-        stats.filter_s += sweep.stats().filter_s;
-        stats.voxel_steps += sweep.stats().voxel_steps;
+    for (const Worker& worker : worker_of_thread) {
+        stats.layout_s += worker.stats().layout_s;
+        stats.march_s += worker.stats().march_s;
+        stats.lookup_s += worker.stats().lookup_s;
+        stats.filter_s += worker.stats().filter_s;
+        stats.voxel_steps += worker.stats().voxel_steps;
     }
     stats.mip_level = level;
-    stats.rays = std::max({volume.size.x, volume.size.y, volume.size.z});
+    stats.rays = std::max({marched.size.x, marched.size.y, marched.size.z});
     stats.total_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return stats;
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "lumisweep/visibility/extinction_grid.h"
 #include "lumisweep/visibility/settings.h"
@@ -11,9 +12,11 @@
 
 namespace lumisweep {
 
-/// What a sweep cost; seconds are wall-clock.
+/// What a sweep cost.
 struct SweepStats {
-    double march_s = 0.0, lookup_s = 0.0, filter_s = 0.0, total_s = 0.0; ///< parts summed over threads; total elapsed
+    /// Processor time over all threads: pairs of voxel rows, march, lookup with exponential, filter.
+    double layout_s = 0.0, march_s = 0.0, lookup_s = 0.0, filter_s = 0.0;
+    double total_s = 0.0; ///< elapsed
     std::uint64_t voxel_steps = 0;
     int mip_level = 0; ///< of the extinction grid that was marched
     int rays = 0;      ///< rays along the longer side of the sweep plane
@@ -22,9 +25,14 @@ struct SweepStats {
 /// The mip level (rays 2^level voxels apart) that `rays` means for this volume; 0 ("auto") takes the default.
 int sweep_mip_level(Vec3i volume_size, int rays);
 
+/// The grid's directions in groups that cost least when they are swept together: what they share is done once, and
+/// opposite directions come out of one march.
+std::vector<std::vector<int>> sweep_groups(const ExtinctionGrid& extinction, const VisibilitySettings& settings);
+
 /// Sweeps the given directions (Morton indices) of `grid`, which must be of the volume's geometry; all of them when
 /// `directions` is empty. Bias: none in the image; V itself is off by what tests/visibility allow.
-/// When *cancel becomes true, returns early: the directions not yet done keep their old V.
+/// Each direction's V is the same whatever else is swept with it, on any number of threads and instruction set. When
+/// *cancel becomes true, returns early: the directions not yet done keep their old V or have a part of the new.
 SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionGrid& extinction, const VisibilitySettings& settings,
                             std::span<const int> directions = {}, const std::atomic<bool>* cancel = nullptr);
 

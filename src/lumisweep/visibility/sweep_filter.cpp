@@ -11,27 +11,33 @@ namespace {
 /// A box of `box` cells about a cell's centre: the `reach` cells on either side wholly, one more by `fraction`.
 struct Box {
     int reach;
-    float fraction;
+    double fraction;
+    int shift; ///< by which V is shifted down, so that the sum of the box fits 16 bits
 
     Box(double box, int count)
     {
         const double side = std::clamp(0.5 * (box - 1.0), 0.0, static_cast<double>(count));
         reach = static_cast<int>(side);
-        fraction = static_cast<float>(side - reach);
+        fraction = side - reach;
+        for (shift = 0; (whole_visibility >> shift) * std::min(width(), count) > 65535;)
+            ++shift;
     }
-    bool is_identity() const { return reach == 0 && fraction < 1e-4F; }
-};
+    int width() const { return 2 * reach + 1; }
+    bool is_identity() const { return reach == 0 && fraction < 1e-4; }
 
-/// 1 / cells that the box covers inside of a line of `count` cells.
-void fill_inverse(std::vector<float>& inverse, const Box& box, int count)
-{
-    for (int i = 0; i < count; ++i) {
-        const int first = std::max(i - box.reach, 0), last = std::min(i + box.reach, count - 1);
-        const int ends = (i - box.reach - 1 >= 0 ? 1 : 0) + (i + box.reach + 1 < count ? 1 : 0);
-        inverse[static_cast<std::size_t>(i)] =
-            1.0F / (static_cast<float>(last - first + 1) + box.fraction * static_cast<float>(ends));
+    struct Scales {
+        std::uint16_t whole, ends;
+    };
+    /// Weights, in 1/65536, of the cells wholly inside and of the two at the ends, for cell i of a line of `count`.
+    Scales scales(int i, int count) const
+    {
+        const int first = std::max(i - reach, 0), last = std::min(i + reach, count - 1);
+        const int ends = (i - reach - 1 >= 0 ? 1 : 0) + (i + reach + 1 < count ? 1 : 0);
+        const double one = std::ldexp(65536.0, shift) / ((last - first + 1) + fraction * ends);
+        const auto rounded = [](double x) { return static_cast<std::uint16_t>(std::min(std::ceil(x), 65535.0)); };
+        return {rounded(one), rounded(one * fraction)};
     }
-}
+};
 
 } // namespace
 
@@ -45,79 +51,82 @@ double filter_angle(SweepFilter filter, int directions)
     }
 }
 
-SliceFilter::SliceFilter(int width, int height)
-    : width_(width), height_(height), row_(3 * static_cast<std::size_t>(width) + 4),
-      sums_(std::max(3 * static_cast<std::size_t>(width) + 5, static_cast<std::size_t>(width))),
+SliceFilter::SliceFilter(const SweepKernels& kernels, int width, int height)
+    : kernels_(kernels), width_(width), height_(height),
       out_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
-      inverse_(static_cast<std::size_t>(std::max(width, height)))
+      scale_whole_(static_cast<std::size_t>(width)), scale_ends_(static_cast<std::size_t>(width)),
+      row_(3 * static_cast<std::size_t>(width) + 4), power_(row_.size()), next_power_(row_.size()),
+      sums_(static_cast<std::size_t>(width)), next_sums_(static_cast<std::size_t>(width)),
+      zeros_(static_cast<std::size_t>(width))
 {
 }
 
-void SliceFilter::apply(std::int32_t* slice, double box_u, double box_v)
+const std::uint16_t* SliceFilter::apply(std::uint16_t* slice, double box_u, double box_v)
 {
     along_u(slice, box_u);
-    along_v(slice, box_v);
+    return along_v(slice, box_v);
 }
 
-void SliceFilter::along_u(std::int32_t* slice, double box_width)
+void SliceFilter::along_u(std::uint16_t* slice, double box_width)
 {
     const Box box(box_width, width_);
     if (box.is_identity() || width_ == 1)
         return;
-    fill_inverse(inverse_, box, width_);
+    for (int i = 0; i < width_; ++i) {
+        const Box::Scales scales = box.scales(i, width_);
+        scale_whole_[static_cast<std::size_t>(i)] = scales.whole;
+        scale_ends_[static_cast<std::size_t>(i)] = scales.ends;
+    }
     // A row with zeros around it, so that the loops have no borders: cell i at row[i + pad].
-    const int pad = box.reach + 1;
-    const int padded = width_ + 2 * pad;
-    std::int32_t* row = row_.data();
-    std::int32_t* sums = sums_.data(); // sums[i] = row[0] + … + row[i − 1]
-    const float* inverse = inverse_.data();
-    std::fill(row, row + padded, 0);
+    const int pad = box.reach + 1, padded = width_ + 2 * pad;
+    std::uint16_t* row = row_.data();
+    std::fill(row, row + padded, std::uint16_t{0});
     for (int j = 0; j < height_; ++j) {
-        std::int32_t* line = slice + static_cast<std::ptrdiff_t>(j) * width_;
-        std::copy(line, line + width_, row + pad);
-        std::int32_t sum = 0;
-        sums[0] = 0;
-        for (int i = 0; i < padded; ++i)
-            sums[i + 1] = sum += row[i];
-        const std::int32_t* low = row;            // the cell beyond the low end
-        const std::int32_t* high = row + 2 * pad; // … and the high end
-        const std::int32_t* high_sum = sums + 2 * pad;
-        for (int i = 0; i < width_; ++i) {
-            const float whole = static_cast<float>(high_sum[i] - sums[i + 1]);
-            const float ends = static_cast<float>(low[i] + high[i]) * box.fraction;
-            line[i] = static_cast<std::int32_t>((whole + ends) * inverse[i] + 0.5F);
+        std::uint16_t* line = slice + static_cast<std::ptrdiff_t>(j) * width_;
+        for (int i = 0; i < width_; ++i)
+            row[pad + i] = static_cast<std::uint16_t>(line[i] >> box.shift);
+        // Sums of 1, 2, 4, … neighbours; those in the width's binary digits make up the box.
+        const std::uint16_t *power = row, *sums = row + 1;
+        std::uint16_t *next_power = power_.data(), *spare_power = next_power_.data();
+        std::uint16_t *next_sums = sums_.data(), *spare_sums = next_sums_.data();
+        int distance = 1, begin = 2;
+        for (int rest = box.width() >> 1, count = padded; rest != 0; rest >>= 1) {
+            count -= distance;
+            kernels_.add(next_power, power, power + distance, count);
+            power = next_power;
+            std::swap(next_power, spare_power);
+            distance *= 2;
+            if ((rest & 1) == 0)
+                continue;
+            kernels_.add(next_sums, sums, power + begin, width_);
+            sums = next_sums;
+            std::swap(next_sums, spare_sums);
+            begin += distance;
         }
+        kernels_.box_mean(line, sums, row, row + 2 * pad, 0, scale_whole_.data(), scale_ends_.data(), width_);
     }
 }
 
-void SliceFilter::along_v(std::int32_t* slice, double box_height)
+const std::uint16_t* SliceFilter::along_v(std::uint16_t* slice, double box_height)
 {
     const Box box(box_height, height_);
     if (box.is_identity() || height_ == 1)
-        return;
-    fill_inverse(inverse_, box, height_);
-    const auto line = [&](int j) { return slice + static_cast<std::ptrdiff_t>(j) * width_; };
-    std::int32_t* sums = sums_.data();
-    std::int32_t* zeros = row_.data();
-    std::fill(zeros, zeros + width_, 0);
-    std::fill(sums, sums + width_, 0);
+        return slice;
+    const auto line = [&](int k) -> const std::uint16_t* {
+        return k >= 0 && k < height_ ? slice + static_cast<std::ptrdiff_t>(k) * width_ : zeros_.data();
+    };
+    std::uint16_t* sums = sums_.data();
+    std::fill(sums, sums + width_, std::uint16_t{0});
     for (int j = 0; j < std::min(box.reach, height_); ++j)
-        for (int i = 0; i < width_; ++i)
-            sums[i] += line(j)[i];
+        kernels_.slide(sums, line(j), zeros_.data(), box.shift, width_);
     for (int j = 0; j < height_; ++j) {
-        const auto existing = [&](int k) -> const std::int32_t* { return k >= 0 && k < height_ ? line(k) : zeros; };
-        const std::int32_t* entering = existing(j + box.reach);
-        const std::int32_t* leaving = existing(j - box.reach - 1); // also the cell beyond the low end
-        const std::int32_t* beyond = existing(j + box.reach + 1);
-        std::int32_t* out = out_.data() + static_cast<std::ptrdiff_t>(j) * width_;
-        const float inverse = inverse_[static_cast<std::size_t>(j)];
-        for (int i = 0; i < width_; ++i) {
-            sums[i] += entering[i] - leaving[i];
-            const float ends = static_cast<float>(leaving[i] + beyond[i]) * box.fraction;
-            out[i] = static_cast<std::int32_t>((static_cast<float>(sums[i]) + ends) * inverse + 0.5F);
-        }
+        const std::uint16_t* leaving = line(j - box.reach - 1); // also the cell beyond the low end
+        kernels_.slide(sums, line(j + box.reach), leaving, box.shift, width_);
+        const Box::Scales scales = box.scales(j, height_);
+        kernels_.box_mean_row(out_.data() + static_cast<std::ptrdiff_t>(j) * width_, sums, leaving,
+                              line(j + box.reach + 1), box.shift, scales.whole, scales.ends, width_);
     }
-    std::copy(out_.begin(), out_.end(), slice);
+    return out_.data();
 }
 
 } // namespace lumisweep

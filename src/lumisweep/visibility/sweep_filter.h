@@ -9,9 +9,10 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "lumisweep/base/aligned.h"
 #include "lumisweep/visibility/settings.h"
+#include "lumisweep/visibility/sweep_kernel.h"
 
 namespace lumisweep {
 
@@ -19,20 +20,23 @@ namespace lumisweep {
 /// against V averaged over cell and texel. Scales with 8 / directions; 0 without filter.
 double filter_angle(SweepFilter filter, int directions);
 
-/// Box filter over a slice of `width` × `height` cells in place, widths ≥ 1 in cells (1 leaves things as they are). The
-/// box has fractional ends; where it leaves the slice it averages what is inside. Runs in exact integer sums.
+/// Box filter over a slice of `width` × `height` cells of V, of which whole_visibility is 1; sides ≥ 1 in cells (1
+/// leaves things as they are). The box has fractional ends; where it leaves the slice it averages what is inside.
+/// Within 2/4080 for boxes of up to 15 cells; wider ones sum fewer bits, at worst (255 cells) 8.
 class SliceFilter {
 public:
-    SliceFilter(int width, int height);
-    void apply(std::int32_t* slice, double box_u, double box_v);
+    SliceFilter(const SweepKernels& kernels, int width, int height);
+    /// Uses `slice` as working memory; the result is there or in memory of the filter's own, until the next call.
+    const std::uint16_t* apply(std::uint16_t* slice, double box_u, double box_v);
 
 private:
-    void along_u(std::int32_t* slice, double box);
-    void along_v(std::int32_t* slice, double box);
+    void along_u(std::uint16_t* slice, double box);
+    const std::uint16_t* along_v(std::uint16_t* slice, double box);
 
+    const SweepKernels& kernels_;
     int width_, height_;
-    std::vector<std::int32_t> row_, sums_, out_;
-    std::vector<float> inverse_;
+    AlignedArray<std::uint16_t> out_, scale_whole_, scale_ends_;
+    AlignedArray<std::uint16_t> row_, power_, next_power_, sums_, next_sums_, zeros_;
 };
 
 } // namespace lumisweep

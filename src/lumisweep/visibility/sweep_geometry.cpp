@@ -6,59 +6,75 @@
 namespace lumisweep {
 namespace {
 
+constexpr double tolerance = 1e-9;
+
 int dominant_axis(const Vec3d& w_level)
 {
     const double x = std::fabs(w_level.x), y = std::fabs(w_level.y), z = std::fabs(w_level.z);
-    const double tie = 1.0 - 1e-9;
+    const double tie = 1.0 - tolerance;
     if (y >= x * tie && y >= z * tie)
         return 1;
     return z >= x * tie ? 2 : 0;
 }
 
-SweepAxis make_axis(int size, double slope, int slices)
-{
-    SweepAxis axis;
-    axis.size = size;
-    axis.slope = slope;
-    // Lookups are at −1/2 ≤ u − 1/2 − slope · depth ≤ size − 1/2 and use the ray below and above, with a little to
-    // spare.
-    axis.first_ray = static_cast<int>(std::floor(-0.5 - std::max(slope * slices, 0.0))) - 1;
-    const int end = static_cast<int>(std::ceil(size - 0.5 - std::min(slope * slices, 0.0))) + 2;
-    axis.ray_count = end - axis.first_ray;
-    axis.passes.reserve(static_cast<std::size_t>(axis.ray_count));
-    for (int i = axis.first_ray; i < end; ++i)
-        axis.passes.push_back(axis.pass(i));
-    return axis;
-}
+struct AxisChoice {
+    int axis;
+    double along;
+};
 
-SweepStep::Window make_window(const SweepAxis& axis, double begin, double end)
+AxisChoice choose_axis(const Vec3d& w_level)
 {
-    constexpr double tolerance = 1e-9;
-    SweepStep::Window w;
-    const double offset = axis.slope * 0.5 * (begin + end);
-    w.shift = static_cast<int>(std::floor(offset));
-    w.fraction = offset - w.shift;
-    w.first = w.last = w.touched_first = w.touched_last = axis.first_ray;
-    for (int i = 0; i < axis.ray_count; ++i) {
-        const SidePass& pass = axis.passes[static_cast<std::size_t>(i)];
-        if (!(pass.enter < end - tolerance && pass.leave > begin + tolerance))
-            continue;
-        const int ray = axis.first_ray + i;
-        if (w.touched_first == w.touched_last)
-            w.touched_first = ray;
-        w.touched_last = ray + 1;
-        if (pass.enter > begin + tolerance || pass.leave < end - tolerance)
-            continue;
-        if (w.first == w.last)
-            w.first = ray;
-        w.last = ray + 1;
-    }
-    if (w.first == w.last)
-        w.first = w.last = w.touched_last;
-    return w;
+    const int axis = dominant_axis(w_level);
+    return {axis, component(w_level, axis)};
 }
 
 } // namespace
+
+SweepAxis::SweepAxis(int voxels, double slope_per_slice, int slices) : size(voxels), slope(slope_per_slice)
+{
+    // Lookups are at −1/2 ≤ u − 1/2 − slope · depth ≤ size − 1/2 and use the ray below and above, with a little to
+    // spare.
+    first_ray = static_cast<int>(std::floor(-0.5 - std::max(slope * slices, 0.0))) - 1;
+    first_ray -= first_ray & 1;
+    const int end_ray = static_cast<int>(std::ceil(size - 0.5 - std::min(slope * slices, 0.0))) + 2;
+    ray_count = end_ray - first_ray;
+    begin.resize(static_cast<std::size_t>(ray_count));
+    end.resize(static_cast<std::size_t>(ray_count));
+    const int none = ray_count;
+    first.assign(static_cast<std::size_t>(slices), none);
+    last.assign(static_cast<std::size_t>(slices), 0);
+    const auto whole = [&](double depth) { return static_cast<int>(std::clamp(depth, 0.0, 1.0 * slices)); };
+    for (int i = 0; i < ray_count; ++i) {
+        const SidePass p = pass(first_ray + i);
+        const int b = whole(std::floor(p.enter + tolerance)), e = whole(std::ceil(p.leave - tolerance));
+        begin[static_cast<std::size_t>(i)] = b;
+        end[static_cast<std::size_t>(i)] = std::max(b, e);
+        if (b >= e)
+            continue;
+        // Rays pass a side one after the other, so those of a slice are neighbours.
+        int& low = first[static_cast<std::size_t>(slope > 0.0 ? b : e - 1)];
+        int& high = last[static_cast<std::size_t>(slope > 0.0 ? e - 1 : b)];
+        low = std::min(low, i);
+        high = std::max(high, i + 1);
+    }
+    const auto forwards = [&](std::vector<int>& list, auto&& better) {
+        for (std::size_t j = 1; j < list.size(); ++j)
+            list[j] = better(list[j], list[j - 1]);
+    };
+    const auto backwards = [&](std::vector<int>& list, auto&& better) {
+        for (std::size_t j = list.size() - 1; j > 0; --j)
+            list[j - 1] = better(list[j - 1], list[j]);
+    };
+    const auto lesser = [](int a, int b) { return std::min(a, b); };
+    const auto greater = [](int a, int b) { return std::max(a, b); };
+    if (slope > 0.0) {
+        forwards(first, lesser);
+        backwards(last, greater);
+    } else {
+        backwards(first, lesser);
+        forwards(last, greater);
+    }
+}
 
 SidePass SweepAxis::pass(double x) const
 {
@@ -71,37 +87,55 @@ SidePass SweepAxis::pass(double x) const
 }
 
 SweepGeometry::SweepGeometry(Vec3i level_size, const Affine3d& level_from_world, const Vec3d& w_world)
-{
-    const Vec3d w_level = level_from_world.vector(w_world);
-    axis = dominant_axis(w_level);
-    const double along = component(w_level, axis);
-    from_high_side = along > 0.0;
-    slices = component(level_size, axis);
-    slice_world = 1.0 / std::fabs(along);
-    const int u_axis = axis == 0 ? 1 : 0, v_axis = axis == 2 ? 1 : 2;
-    u = make_axis(component(level_size, u_axis), -component(w_level, u_axis) * slice_world, slices);
-    v = make_axis(component(level_size, v_axis), -component(w_level, v_axis) * slice_world, slices);
-}
-
-SweepStep::SweepStep(const SweepGeometry& geometry, int slice_depth, double begin_depth, double end_depth)
-    : slice(geometry.slice_at(slice_depth)), begin(begin_depth), end(end_depth),
-      u(make_window(geometry.u, begin_depth, end_depth)), v(make_window(geometry.v, begin_depth, end_depth))
+    : axis(choose_axis(level_from_world.vector(w_world)).axis),
+      towards_high_side(choose_axis(level_from_world.vector(w_world)).along > 0.0), slices(component(level_size, axis)),
+      slice_world(1.0 / std::fabs(component(level_from_world.vector(w_world), axis))),
+      u(component(level_size, u_axis_of(axis)),
+        component(level_from_world.vector(w_world), u_axis_of(axis)) /
+            component(level_from_world.vector(w_world), axis),
+        slices),
+      v(component(level_size, v_axis_of(axis)),
+        component(level_from_world.vector(w_world), v_axis_of(axis)) /
+            component(level_from_world.vector(w_world), axis),
+        slices)
 {
 }
 
-std::vector<SweepStep> sweep_steps(const SweepGeometry& geometry, double begin_depth, double end_depth)
+std::int32_t weight_at(double depth)
 {
-    constexpr double tolerance = 1e-9;
-    std::vector<SweepStep> steps;
-    double depth = begin_depth;
-    end_depth = std::min(end_depth, static_cast<double>(geometry.slices));
-    while (depth < end_depth - tolerance) {
-        const int slice = std::min(static_cast<int>(std::floor(depth + tolerance)), geometry.slices - 1);
-        const double next = slice + 1.0 < end_depth - tolerance ? slice + 1.0 : end_depth;
-        steps.emplace_back(geometry, slice, depth, next);
-        depth = next;
+    const double whole = std::floor(depth);
+    return static_cast<std::int32_t>(whole) * slice_weight +
+           static_cast<std::int32_t>(std::lround((depth - whole) * slice_weight));
+}
+
+std::vector<SweepPiece> SweepGeometry::pieces(double begin_depth, double end_depth) const
+{
+    std::vector<SweepPiece> list;
+    end_depth = std::min(end_depth, static_cast<double>(slices));
+    const int first_slice = static_cast<int>(std::floor(begin_depth + tolerance));
+    for (int slice = first_slice; slice < slices && slice < end_depth - tolerance; ++slice) {
+        const double from = std::max(begin_depth, static_cast<double>(slice));
+        const double to = std::min(end_depth, slice + 1.0);
+        const int weight = weight_at(to) - weight_at(from);
+        if (weight == 0)
+            continue;
+        const double middle = 0.5 * (from + to);
+        const double at_u = u.slope * middle, at_v = v.slope * middle;
+        SweepPiece piece;
+        piece.slice = slice;
+        piece.shift_u = static_cast<int>(std::floor(at_u));
+        piece.shift_v = static_cast<int>(std::floor(at_v));
+        const double fraction_u = at_u - piece.shift_u, fraction_v = at_v - piece.shift_v;
+        const int high_row = static_cast<int>(std::lround(weight * fraction_v)), low_row = weight - high_row;
+        const int low_next = static_cast<int>(std::lround(low_row * fraction_u));
+        const int high_next = static_cast<int>(std::lround(high_row * fraction_u));
+        piece.weight[0] = static_cast<std::int8_t>(low_row - low_next);
+        piece.weight[1] = static_cast<std::int8_t>(high_row - high_next);
+        piece.weight[2] = static_cast<std::int8_t>(low_next);
+        piece.weight[3] = static_cast<std::int8_t>(high_next);
+        list.push_back(piece);
     }
-    return steps;
+    return list;
 }
 
 } // namespace lumisweep

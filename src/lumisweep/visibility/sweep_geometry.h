@@ -1,18 +1,27 @@
 // Where the rays of one direction run: journal paper section 6, equations (6) and (7), in voxel index space.
 //
-// Rays start on an axis-aligned face of the box, the one that the direction points to, one ray per voxel of the marched
-// level, and run against the direction. `depth` counts slices from that face. In the plane, u and v are the other two
-// axes; ray (i, m) is at u = i + 1/2 + slope_u · depth, v = m + 1/2 + slope_v · depth. It is inside of the box while
-// both are, so rays are numbered from where some depth needs them, which may be negative.
+// Rays start on the box's low face across the sweep's axis, one per voxel of the marched level, and run upwards: along
+// the direction or against it, which is the same line. `depth` counts slices from that face. In the plane, u and v are
+// the other two axes; ray (i, m) is at u = i + 1/2 + slope_u · depth, v = m + 1/2 + slope_v · depth. It is inside of
+// the box while both are, so rays are numbered from where some depth needs them, which may be negative.
+//
+// The march counts optical depth in whole numbers: 1/127 of a stored extinction step × one slice. A slice adds what the
+// four voxels around a ray's middle in it hold, times four weights that are the same for the whole slice and sum to
+// 127. A ray counts a slice wholly if it is inside of the box anywhere in it, with the edge voxels repeated beyond the
+// box; lookups divide by the slices counted and multiply by the length inside, so the mean extinction is what is kept.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "lumisweep/math/vec.h"
 
 namespace lumisweep {
 
-/// The depths at which the rays of one column (or row) pass the low and the high side of the box along u (or v).
+/// Sum of a whole slice's weights: four signed bytes whose products with voxels must not overflow 16 bits in pairs.
+inline constexpr int slice_weight = 127;
+
+/// The depths at which a ray passes the low and the high side of the box along u (or v).
 struct SidePass {
     double enter, leave;
 };
@@ -20,46 +29,42 @@ struct SidePass {
 struct SweepAxis {
     int size;      ///< voxels of the level
     double slope;  ///< voxels per slice, −1 … 1
-    int first_ray; ///< number of the first ray
+    int first_ray; ///< number of the first ray; even, because even and odd rays are stored apart
     int ray_count;
-    std::vector<SidePass> passes; ///< [ray − first_ray]
+    std::vector<int> begin, end;  ///< [ray − first_ray]: the slices that it counts, [begin, end)
+    std::vector<int> first, last; ///< [slice]: the rays that count it, [first, last), less first_ray
+
+    SweepAxis(int voxels, double slope_per_slice, int slices);
 
     /// For a ray at `x` voxels from the voxel centres' origin on the start face; need not be a whole number.
     SidePass pass(double x) const;
 };
 
+/// One slice, or its part between two lookups, and what is constant over it.
+struct SweepPiece {
+    int slice;
+    int shift_u, shift_v;  ///< voxel on a ray's low side = ray + shift
+    std::int8_t weight[4]; ///< of the voxels (v, u), (v + 1, u), (v, u + 1), (v + 1, u + 1)
+};
+
 struct SweepGeometry {
-    int axis;            ///< the sweep's: 0, 1, 2
-    bool from_high_side; ///< the start face is the one at the high end of the axis
+    int axis;               ///< the sweep's: 0, 1, 2
+    bool towards_high_side; ///< whether w points to the high side, so that its rays come in there
     int slices;
     double slice_world; ///< world length of a ray inside of one slice
     SweepAxis u, v;
 
-    /// Ties between the axes go to y, then to z: x needs a transposed volume.
+    /// Ties between the axes go to y, then to z: x needs a transposed volume. w and −w have the same rays.
     SweepGeometry(Vec3i level_size, const Affine3d& level_from_world, const Vec3d& w_world);
 
-    /// Depth of a plane at `p` voxels along the axis.
-    double depth_of(double p) const { return from_high_side ? slices - p : p; }
-    /// The voxel slice at whole depths [j, j + 1).
-    int slice_at(int j) const { return from_high_side ? slices - 1 - j : j; }
+    /// The slices from one depth to another, cut there.
+    std::vector<SweepPiece> pieces(double begin_depth, double end_depth) const;
 };
 
-/// One piece of a slice, and what is constant over it.
-struct SweepStep {
-    struct Window {
-        int shift;                       ///< voxel on a ray's low side = ray + shift
-        double fraction;                 ///< towards the next voxel
-        int first, last;                 ///< rays inside of the box all the way: [first, last), of ray numbers
-        int touched_first, touched_last; ///< rays inside of it anywhere
-    };
-    int slice;
-    double begin, end; ///< depth
-    Window u, v;
+inline int u_axis_of(int axis) { return axis == 0 ? 1 : 0; }
+inline int v_axis_of(int axis) { return axis == 2 ? 1 : 2; }
 
-    SweepStep(const SweepGeometry& geometry, int slice_depth, double begin_depth, double end_depth);
-};
-
-/// The pieces of slices between two depths.
-std::vector<SweepStep> sweep_steps(const SweepGeometry& geometry, double begin_depth, double end_depth);
+/// Weight that a ray from the start face has counted down to `depth`: whole slices count 127.
+std::int32_t weight_at(double depth);
 
 } // namespace lumisweep

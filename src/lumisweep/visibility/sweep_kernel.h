@@ -1,47 +1,88 @@
 // The inner loops of a sweep, compiled once per instruction set (sweep_kernel_*.cpp) and chosen at start-up.
 //
-// All loops run along one row, contiguously and without gathers from memory that other rows share. The march is in
-// integers and nothing is contracted or reassociated, so every instruction set gives the same bits.
+// The march is in integers; lookups are in single precision with nothing contracted or reassociated; so every
+// instruction set gives the same bits as the plain loops of sweep_kernel_baseline.cpp.
+//
+// Rays of a row are stored apart by parity: even[k] is ray 2k, odd[k] ray 2k + 1. Voxel rows are stored in pairs: byte
+// 2u of pair row v is voxel (v, u), byte 2u + 1 is voxel (v + 1, u). The four voxels around a ray are then four
+// neighbouring bytes, those of the next ray of its parity the next four, and one dot-product instruction takes 16 rays
+// one slice further.
 #pragma once
 
 #include <cstdint>
 
 namespace lumisweep {
 
-/// Optical depth on rays counts in units of 1/256 of a stored extinction step × one slice.
-inline constexpr int optical_depth_unit = 256;
-/// Horizontal weights are 16-bit fractions; this is the whole.
-inline constexpr int whole_weight = 65535;
-/// V during lookup and filter: fixed point, this is 1.
-inline constexpr int whole_visibility = 65535;
+/// Rays are marched in blocks of this many; rows of rays are padded to whole blocks.
+inline constexpr int ray_block = 32;
+/// Bytes that must be readable before and after a pair row.
+inline constexpr int pair_row_margin = 2 * ray_block + 2;
+/// Voxels repeated beyond each end of a pair row.
+inline constexpr int edge_voxels = 2;
+/// V during filtering: fixed point, this is 1 (sixteen times 255).
+inline constexpr int whole_visibility = 4080;
 
-/// What the cells of one row of a slice look up.
+/// What one slice adds to a row of rays.
+struct MarchRow {
+    const std::uint8_t* pairs; ///< the four voxels of ray k begin at pairs + 2 k
+    std::int8_t weight[4];
+    int first, last; ///< the rays that count this slice
+};
+
+/// A row of cells on two rows of rays.
 struct LookupRow {
-    const float* tau;           ///< [ray column] optical depth, already interpolated across the rows
-    const float* length;        ///< [ray column] slices travelled inside of the box, likewise
-    const std::int32_t* ray;    ///< [cell] the ray column on the cell's low side
-    const float* fraction;      ///< [cell] towards the next ray column
-    const float* enter;         ///< [cell] depth at which the cell's own ray comes in through a u side, if it does
-    const float* leave;         ///< [cell] likewise out
-    float row_enter, row_leave; ///< the same for the v sides
-    float tau_scale;            ///< natural optical depth of one unit of tau
-    int count;                  ///< cells
+    const std::int32_t *low, *high;   ///< the rows of rays below and above
+    const std::int32_t *index, *next; ///< [cell] where the two rays beside it are stored in each row
+    const float* fraction;            ///< [cell] towards the second
+    float fraction_rows;              ///< towards the row above
+    int step;                         ///< index[c + 1] − index[c], if one step and fraction hold for all, else 0
+    int count;                        ///< cells
+};
+
+/// What the sides of the box do to a row of cells. Weights count as in sweep_geometry.h, 127 a slice.
+struct SideRow {
+    const float *begin_low, *begin_high; ///< [cell] weight at which the two rays' columns begin to count …
+    const float *end_low, *end_high;     ///< … and end
+    const float *enter, *leave;          ///< [cell] depth at which its own column passes the sides
+    const float* fraction;               ///< [cell] between the two columns
+    float row_begin[2], row_end[2];      ///< likewise for the two rows of rays, and the row of cells
+    float row_enter, row_leave;
+    float fraction_rows;
+    float depth;  ///< slices
+    float weight; ///< of a ray from the start face at this depth
+    int count;    ///< cells
 };
 
 struct SweepKernels {
     const char* name;
-    /// mixed[i] = (low[i] · (256 − weight) + high[i] · weight), weight in 0 … 256.
-    void (*mix_rows)(std::uint16_t* mixed, const std::uint8_t* low, const std::uint8_t* high, int weight, int count);
-    /// tau[i] += mixed[i] · weight0 + mixed[i + 1] · weight1, with weights in 1/65536.
-    void (*advance_rays)(std::int32_t* tau, const std::uint16_t* mixed, int weight0, int weight1, int count);
-    /// tau[i] = low[i] + (high[i] − low[i]) · fraction.
-    void (*mix_rays)(float* tau, const std::int32_t* low, const std::int32_t* high, float fraction, int count);
-    /// length[i]: the same mix of how far the two rays have come inside of the box at `depth`; a ray is inside from
-    /// max(0, enter[i], its row's enter) to min(depth, leave[i], its row's leave).
-    void (*mix_lengths)(float* length, const float* enter, const float* leave, const float* row_enter,
-                        const float* row_leave, float depth, float fraction, int count);
-    /// visibility[i] = exp(−τ) in 1/65535.
-    void (*look_up)(std::int32_t* visibility, const LookupRow& row, float depth, float* scratch);
+    /// pairs[2u] = low[u], pairs[2u + 1] = high[u], with edge_voxels repeated at either end (pairs[−4] … ).
+    void (*make_pairs)(std::uint8_t* pairs, const std::uint8_t* low, const std::uint8_t* high, int count);
+    /// tau[ray] += Σ over the pieces that count the ray of weight · voxels.
+    void (*march)(std::int32_t* even, std::int32_t* odd, const MarchRow* rows, int row_count);
+    /// tau[cell]: bilinear between four rays.
+    void (*look_up)(float* tau, const LookupRow& row);
+    /// Factors that turn summed τ into the natural optical depth of a cell per unit of extinction: forwards, from the
+    /// start face to the cell, and backwards, from the cell to the other end.
+    void (*side_factors)(float* forwards, float* backwards, const SideRow& row);
+    /// visibility[i] = exp(−scale · factor[i] · (total[i] − tau[i])); without `total` of tau[i] alone.
+    void (*to_visibility)(std::uint16_t* visibility, const float* total, const float* tau, const float* factor,
+                          float scale, int count);
+    /// out[i] = a[i] + b[i], mod 2^16.
+    void (*add)(std::uint16_t* out, const std::uint16_t* a, const std::uint16_t* b, int count);
+    /// sums[i] += (entering[i] >> shift) − (leaving[i] >> shift), mod 2^16.
+    void (*slide)(std::uint16_t* sums, const std::uint16_t* entering, const std::uint16_t* leaving, int shift,
+                  int count);
+    /// out[i] = (whole[i] · scale_whole[i] + ((low[i] >> shift) + (high[i] >> shift)) · scale_ends[i]) / 65536, each
+    /// product rounded down.
+    void (*box_mean)(std::uint16_t* out, const std::uint16_t* whole, const std::uint16_t* low,
+                     const std::uint16_t* high, int shift, const std::uint16_t* scale_whole,
+                     const std::uint16_t* scale_ends, int count);
+    /// Likewise with one scale for all.
+    void (*box_mean_row)(std::uint16_t* out, const std::uint16_t* whole, const std::uint16_t* low,
+                         const std::uint16_t* high, int shift, std::uint16_t scale_whole, std::uint16_t scale_ends,
+                         int count);
+    /// out[i] = in[i] in 8 bits, rounded.
+    void (*store)(std::uint8_t* out, const std::uint16_t* in, int count);
 };
 
 extern const SweepKernels sweep_kernels_baseline;

@@ -39,7 +39,10 @@ VisibilityGrid swept(const ExtinctionGrid& extinction, const VisibilitySettings&
 
 bool same(const VisibilityGrid& a, const VisibilityGrid& b)
 {
-    return a.bytes() == b.bytes() && std::memcmp(a.direction(0), b.direction(0), a.bytes()) == 0;
+    for (int d = 0; a.same_shape(b) && d < a.direction_count(); ++d)
+        if (std::memcmp(a.direction(d), b.direction(d), a.cell_count()) != 0)
+            return false;
+    return a.same_shape(b);
 }
 
 /// exp(−σ × path to the box's faces) at every cell and direction.

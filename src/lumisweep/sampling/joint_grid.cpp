@@ -1,5 +1,6 @@
 #include "lumisweep/sampling/joint_grid.h"
 
+#include <algorithm>
 #include <bit>
 #include <vector>
 
@@ -10,6 +11,11 @@ namespace lumisweep {
 
 namespace {
 
+/// Nodes of this many bytes are more than caches hold: they are stored past them.
+constexpr std::size_t streamed_bytes = std::size_t{16} << 20;
+/// Cells that a thread takes at a time.
+constexpr std::size_t cells_a_piece = 64 * joint_block;
+
 /// Nodes below the root in `levels` levels.
 std::size_t nodes_of(int levels)
 {
@@ -19,6 +25,18 @@ std::size_t nodes_of(int levels)
     return nodes;
 }
 
+std::vector<float> light_factors(const Environment& environment, JointFactor factor, std::size_t directions)
+{
+    std::vector<float> factors(directions, 1.0F);
+    if (factor == JointFactor::visibility_times_light) {
+        LUMISWEEP_EXPECT(environment.mean_luminance() > 0.0);
+        const float* level = environment.view().luminance + (directions - 1) / 3;
+        for (std::size_t d = 0; d < directions; ++d)
+            factors[d] = static_cast<float>(level[d] / environment.mean_luminance());
+    }
+    return factors;
+}
+
 } // namespace
 
 std::size_t JointGrid::bytes_needed(std::size_t cell_count, int directions_per_side)
@@ -26,52 +44,50 @@ std::size_t JointGrid::bytes_needed(std::size_t cell_count, int directions_per_s
     return cell_count * sizeof(float) * (1 + nodes_of(std::countr_zero(static_cast<unsigned>(directions_per_side))));
 }
 
-JointGrid::JointGrid(const VisibilityGrid& visibility, Vec3i volume_size, const Environment& environment,
-                     JointFactor factor, double epsilon)
-    : cells_(visibility.cells()), cells_per_voxel_{static_cast<float>(cells_.x) / static_cast<float>(volume_size.x),
-                                                   static_cast<float>(cells_.y) / static_cast<float>(volume_size.y),
-                                                   static_cast<float>(cells_.z) / static_cast<float>(volume_size.z)},
-      levels_(std::countr_zero(static_cast<unsigned>(visibility.directions_per_side()))),
-      root_(visibility.cell_count()), nodes_(visibility.cell_count() * nodes_of(levels_))
+void JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const Environment& environment,
+                      JointFactor factor, double epsilon, const JointKernel& kernel)
 {
     LUMISWEEP_EXPECT(epsilon > 0.0);
     LUMISWEEP_EXPECT(environment.resolution() >= visibility.directions_per_side());
-    const EnvironmentView light = environment.view();
-    const std::size_t directions = static_cast<std::size_t>(visibility.direction_count());
-    std::vector<float> light_factor(directions, 1.0F);
-    if (factor == JointFactor::visibility_times_light) {
-        LUMISWEEP_EXPECT(environment.mean_luminance() > 0.0);
-        const float* level = light.luminance + (directions - 1) / 3;
-        for (std::size_t d = 0; d < directions; ++d)
-            light_factor[d] = static_cast<float>(level[d] / environment.mean_luminance());
+    const std::size_t cell_count = visibility.cell_count();
+    const int levels = std::countr_zero(static_cast<unsigned>(visibility.directions_per_side()));
+    const std::size_t node_count = nodes_of(levels);
+    if (root_.size() != cell_count || nodes_.size() != cell_count * node_count) {
+        *this = JointGrid(); // the old one first: each may be as large as the volume
+        AlignedArray<float> root(cell_count);
+        nodes_ = AlignedArray<float>(cell_count * node_count);
+        root_ = std::move(root);
     }
-    const std::size_t node_count = nodes_of(levels_);
-    parallel_for(
-        std::size_t{0}, visibility.cell_count(),
-        [&](std::size_t cell) {
-            if (levels_ == 0) {
-                root_[cell] = (static_cast<float>(visibility.direction(0)[cell]) * (1.0F / 255.0F) +
-                               static_cast<float>(epsilon)) *
-                              light_factor[0];
-                return;
-            }
-            float* nodes = nodes_.data() + cell * node_count;
-            float* leaves = nodes + (directions - 4) / 3;
-            for (std::size_t d = 0; d < directions; ++d) {
-                const float v = static_cast<float>(visibility.direction(static_cast<int>(d))[cell]) * (1.0F / 255.0F);
-                leaves[d] = (v + static_cast<float>(epsilon)) * light_factor[d];
-            }
-            for (float* children = leaves; children != nodes;) {
-                const std::size_t child_count = static_cast<std::size_t>(children - nodes) * 3 + 4;
-                float* parents = children - child_count / 4;
-                for (std::size_t m = 0; m < child_count / 4; ++m)
-                    parents[m] =
-                        0.25F * ((children[4 * m] + children[4 * m + 1]) + (children[4 * m + 2] + children[4 * m + 3]));
-                children = parents;
-            }
-            root_[cell] = 0.25F * ((nodes[0] + nodes[1]) + (nodes[2] + nodes[3]));
-        },
-        256);
+    cells_ = visibility.cells();
+    cells_per_voxel_ = {static_cast<float>(cells_.x) / static_cast<float>(volume_size.x),
+                        static_cast<float>(cells_.y) / static_cast<float>(volume_size.y),
+                        static_cast<float>(cells_.z) / static_cast<float>(volume_size.z)};
+    levels_ = levels;
+
+    const std::vector<float> light =
+        light_factors(environment, factor, static_cast<std::size_t>(visibility.direction_count()));
+    if (levels == 0) {
+        for (std::size_t cell = 0; cell < cell_count; ++cell)
+            root_[cell] =
+                (static_cast<float>(visibility.direction(0)[cell]) * (1.0F / 255.0F) + static_cast<float>(epsilon)) *
+                light[0];
+        return;
+    }
+    std::vector<const std::uint8_t*> directions;
+    for (int d = 0; d < visibility.direction_count(); ++d)
+        directions.push_back(visibility.direction(d));
+    JointWork work;
+    work.visibility = directions.data();
+    work.light = light.data();
+    work.epsilon = static_cast<float>(epsilon);
+    work.directions = visibility.direction_count();
+    work.node_count = static_cast<int>(node_count);
+    work.nodes = nodes_.data();
+    work.root = root_.data();
+    work.stores = nodes_.bytes() > streamed_bytes ? JointStores::streaming : JointStores::cached;
+    parallel_for(std::size_t{0}, (cell_count + cells_a_piece - 1) / cells_a_piece, [&](std::size_t piece) {
+        kernel.build(work, piece * cells_a_piece, std::min((piece + 1) * cells_a_piece, cell_count));
+    });
 }
 
 JointView JointGrid::view() const

@@ -28,8 +28,22 @@ VisibilityGrid::VisibilityGrid(Vec3i volume_size, int voxels_per_cell, int direc
     n_ = directions_per_side;
     cell_count_ =
         static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y) * static_cast<std::size_t>(cells_.z);
-    stored_ = AlignedArray<std::uint8_t>(cell_count_ * static_cast<std::size_t>(direction_count()));
+    stored_ = AlignedArray<std::uint8_t>(bytes_needed(cell_count_, n_));
     std::memset(stored_.data(), 255, stored_.size());
+    for (int d = 0; d < direction_count(); ++d)
+        directions_.push_back(stored_.data() + static_cast<std::size_t>(d) * direction_stride(cell_count_));
+}
+
+std::size_t VisibilityGrid::direction_stride(std::size_t cell_count)
+{
+    constexpr std::size_t line = AlignedArray<std::uint8_t>::alignment;
+    return ((cell_count + line - 1) / line | 1) * line;
+}
+
+std::size_t VisibilityGrid::bytes_needed(std::size_t cell_count, int directions_per_side)
+{
+    return direction_stride(cell_count) * static_cast<std::size_t>(directions_per_side) *
+           static_cast<std::size_t>(directions_per_side);
 }
 
 Vec3d texel_direction(int morton, int directions_per_side)

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "lumisweep/base/aligned.h"
 #include "lumisweep/math/vec.h"
@@ -16,20 +17,28 @@ namespace lumisweep {
 class VisibilityGrid {
 public:
     VisibilityGrid() = default;
+    VisibilityGrid(VisibilityGrid&&) = default;
+    VisibilityGrid& operator=(VisibilityGrid&&) = default;
     /// All visible (V = 1). directions_per_side n must be a power of two.
     VisibilityGrid(Vec3i volume_size, int voxels_per_cell, int directions_per_side);
 
     static Vec3i cells_of(Vec3i volume_size, int voxels_per_cell);
+    /// Bytes from one direction to the next: an odd number of cache lines, as the cells of one place in all directions
+    /// would share a few sets of the caches if it were a power of two.
+    static std::size_t direction_stride(std::size_t cell_count);
+    /// What a grid of this shape takes.
+    static std::size_t bytes_needed(std::size_t cell_count, int directions_per_side);
+    bool same_shape(const VisibilityGrid& other) const { return cells_ == other.cells_ && n_ == other.n_; }
 
     const Vec3i& cells() const { return cells_; }
     std::size_t cell_count() const { return cell_count_; }
     int directions_per_side() const { return n_; }
     int direction_count() const { return n_ * n_; }
-    std::size_t bytes() const { return stored_.bytes(); }
+    std::size_t bytes() const { return stored_.bytes(); } ///< its own; 0 where the directions are stored elsewhere
 
     /// The grid of one direction (Morton index), x fastest.
-    std::uint8_t* direction(int d) { return stored_.data() + static_cast<std::size_t>(d) * cell_count_; }
-    const std::uint8_t* direction(int d) const { return stored_.data() + static_cast<std::size_t>(d) * cell_count_; }
+    std::uint8_t* direction(int d) { return directions_[static_cast<std::size_t>(d)]; }
+    const std::uint8_t* direction(int d) const { return directions_[static_cast<std::size_t>(d)]; }
     std::size_t cell_index(int i, int j, int k) const
     {
         return (static_cast<std::size_t>(k) * static_cast<std::size_t>(cells_.y) + static_cast<std::size_t>(j)) *
@@ -38,9 +47,12 @@ public:
     }
 
 private:
+    friend class LiveVisibility; // moves directions about (visibility/live_visibility.h)
+
     Vec3i cells_{0, 0, 0};
     std::size_t cell_count_ = 0;
     int n_ = 0;
+    std::vector<std::uint8_t*> directions_;
     AlignedArray<std::uint8_t> stored_;
 };
 

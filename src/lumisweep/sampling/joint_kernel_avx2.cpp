@@ -1,0 +1,53 @@
+#if defined(__x86_64__)
+#include <cstddef>
+#include <cstdint>
+
+#include <immintrin.h>
+
+namespace lumisweep {
+namespace {
+
+struct Cells {
+    using Float = __m256;
+    static constexpr int width = 8;
+
+    static Float load(const std::uint8_t* p)
+    {
+        return _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))));
+    }
+    static Float load(const float* p) { return _mm256_load_ps(p); }
+    static void store(float* p, Float v) { _mm256_store_ps(p, v); }
+    static void store_transposed(float* p, int stride, Float a, Float b, Float c, Float d)
+    {
+        const Float ab0 = _mm256_unpacklo_ps(a, b), ab1 = _mm256_unpackhi_ps(a, b);
+        const Float cd0 = _mm256_unpacklo_ps(c, d), cd1 = _mm256_unpackhi_ps(c, d);
+        store_halves(p, stride, _mm256_shuffle_ps(ab0, cd0, 0x44));
+        store_halves(p + stride, stride, _mm256_shuffle_ps(ab0, cd0, 0xEE));
+        store_halves(p + 2 * stride, stride, _mm256_shuffle_ps(ab1, cd1, 0x44));
+        store_halves(p + 3 * stride, stride, _mm256_shuffle_ps(ab1, cd1, 0xEE));
+    }
+    static void stream(float* to, const float* from, std::size_t count)
+    {
+        for (std::size_t i = 0; i < count; i += 8)
+            _mm256_stream_ps(to + i, _mm256_load_ps(from + i));
+    }
+    static void end_of_stream() { _mm_sfence(); }
+
+private:
+    /// Every fourth cell.
+    static void store_halves(float* p, int stride, Float v)
+    {
+        _mm_store_ps(p, _mm256_castps256_ps128(v));
+        _mm_store_ps(p + 4 * stride, _mm256_extractf128_ps(v, 1));
+    }
+};
+
+} // namespace
+} // namespace lumisweep
+
+#include "lumisweep/sampling/joint_kernel_impl.h"
+
+namespace lumisweep {
+const JointKernel joint_kernel_avx2 = {"avx2", build};
+} // namespace lumisweep
+#endif

@@ -10,66 +10,19 @@ in out/strategies, so that an interrupted study goes on where it was.
 """
 import argparse
 import csv
-import hashlib
 import json
 import math
-import platform
-import subprocess
 import sys
 from collections import defaultdict
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import pictures
+from common import ROOT, Renderer, StudyError, markdown_rows, mean_and_error, need_inputs, processor, with_error
 
-ROOT = Path(__file__).resolve().parent.parent
 STRATEGIES = ["uniform", "environment", "visibility", "combined", "two-step"]
 BASELINE = "environment"
 REFERENCE_SEED = 900000
-
-
-class StudyError(Exception):
-    pass
-
-
-# --- running the program --------------------------------------------------------------------------------------------------
-
-class Renderer:
-    """Runs the command-line program, once per distinct command and build."""
-
-    def __init__(self, program, cache, width, settings):
-        self.program, self.cache, self.width = Path(program), Path(cache), width
-        self.settings = [argument for setting in settings for argument in ("--set", setting)]
-        if not self.program.is_file():
-            raise StudyError(f"no program at {self.program}; build it (./check) or name it with --program")
-        self.build = hashlib.sha256(self.program.read_bytes()).hexdigest()[:12]
-        self.cache.mkdir(parents=True, exist_ok=True)
-
-    def call(self, arguments):
-        result = subprocess.run([str(self.program), *map(str, arguments)], capture_output=True, text=True)
-        if result.returncode != 0:
-            message = result.stderr.strip().splitlines() or ["no message"]
-            raise StudyError(f"lumisweep {arguments[0]} failed ({result.returncode}): {message[-1]}")
-        return result.stdout
-
-    def render(self, scene, light, strategy, samples, seed):
-        """Returns (image without suffix, stats). What another build made is not reused: it may have been wrong."""
-        scene_file = ROOT / "scenes" / f"{scene}.json"
-        light_file = ROOT / "data" / "environments" / f"{light}.exr"
-        key = hashlib.sha256(scene_file.read_bytes() + repr((self.settings, self.build)).encode()).hexdigest()[:8]
-        stem = self.cache / f"{scene}-{light}-{self.width}-{strategy}-{samples}-{seed}-{key}"
-        stats = Path(f"{stem}.json")
-        if not stats.is_file():
-            # The stats appear last, under a name that is not looked for: what is found is whole.
-            partial = Path(f"{stem}.partial")
-            self.call(["render", scene_file, "--set", f"environment.file={light_file}", "--set", "image.show_environment=false",
-                       *self.settings, "--width", self.width, "--height", self.width, "--strategy", strategy, "--samples", samples,
-                       "--seed", seed, "--stats", partial, "-o", f"{stem}.exr", "-o", f"{stem}.png"])
-            partial.rename(stats)
-        return stem, json.loads(stats.read_text())
-
-    def compare(self, stem, reference):
-        return json.loads(self.call(["compare", f"{stem}.exr", f"{reference}.exr", "--json"]))
 
 
 # --- measuring ------------------------------------------------------------------------------------------------------------
@@ -97,15 +50,6 @@ def measure(renderer, scene, light, plan, reference_samples, report):
                 if repeat == 0 and samples == min((16, *plan), key=lambda n: abs(n - 16)):
                     shown[strategy] = stem
     return rows, shown
-
-
-def mean_and_error(values):
-    """Mean and its standard error; the error is NaN for a single value."""
-    mean = sum(values) / len(values)
-    if len(values) < 2:
-        return mean, math.nan
-    variance = sum((v - mean) ** 2 for v in values) / (len(values) - 1)
-    return mean, math.sqrt(variance / len(values))
 
 
 def reference_variance(rows, reference_samples):
@@ -164,17 +108,6 @@ def swept(baseline, entry, samples):
 
 # --- reporting ------------------------------------------------------------------------------------------------------------
 
-def with_error(value, error, digits=3):
-    if not math.isfinite(value):
-        return "–"
-    text = f"{value:.{digits}g}"
-    return text if math.isnan(error) else f"{text} ± {error:.1g}"
-
-
-def markdown_rows(head, rows):
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in [head, ["---"] * len(head), *rows])
-
-
 def markdown_tables(summary, counts):
     errors = [[strategy, *[with_error(*summary[strategy]["mse"][n]) for n in counts],
                f"{1000 * summary[strategy]['sample_s']:.3g}", f"{summary[strategy]['preparation_s']:.2f}"]
@@ -216,16 +149,6 @@ def plain_table(results, counts):
     lines.append(f"Ratios: how many times less squared error than '{BASELINE}', which samples the light alone. relMSE divides each")
     lines.append("pixel's squared error by the reference's square, so that shadows count like highlights.")
     return "\n".join(lines)
-
-
-def processor():
-    try:
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    except OSError:
-        pass
-    return platform.processor() or platform.machine()
 
 
 PREFACE = """# Noise of the direction strategies
@@ -294,12 +217,7 @@ def parse_arguments():
 
 def main():
     options = parse_arguments()
-    for scene in options.scenes:
-        if not (ROOT / "scenes" / f"{scene}.json").is_file():
-            raise StudyError(f"no scene scenes/{scene}.json")
-    for light in options.lights:
-        if not (ROOT / "data" / "environments" / f"{light}.exr").is_file():
-            raise StudyError(f"no light data/environments/{light}.exr; run scripts/fetch_data {light}")
+    need_inputs(options.scenes, options.lights)
     renderer = Renderer(options.program, options.cache, options.width, options.set)
     if options.fresh:
         for path in options.cache.glob("*-two-step-*"):

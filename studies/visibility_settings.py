@@ -8,13 +8,13 @@ reference is needed; a few minutes.
 """
 import argparse
 import json
-import math
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from common import ROOT, StudyError, geometric_mean, light_file, markdown_rows, need_inputs, need_program, run_program, scene_file
+
 SCENES = ["ct_head", "stent", "ch2"]
 LIGHTS = ["courtyard", "studio", "city", "sunrise"]
 SETTINGS = [("half-angle", 0.01), ("half-angle", 0.03), ("half-angle", 0.1), ("half-angle", 0.3), ("none", 0.01), ("none", 0.1),
@@ -24,11 +24,10 @@ SETTINGS = [("half-angle", 0.01), ("half-angle", 0.03), ("half-angle", 0.1), ("h
 def noise(options, scene, light, arguments):
     with tempfile.TemporaryDirectory() as folder:
         stats = Path(folder) / "stats.json"
-        subprocess.run([options.program, "render", ROOT / "scenes" / f"{scene}.json",
-                        "--set", f"environment.file={ROOT}/data/environments/{light}.exr", "--set", "image.show_environment=false",
-                        "--width", str(options.width), "--height", str(options.width), "--samples", str(options.samples),
-                        "--stats", stats, "-o", Path(folder) / "image.png", *arguments],
-                       check=True, capture_output=True)
+        run_program([options.program, "render", scene_file(scene),
+                     "--set", f"environment.file={light_file(light)}", "--set", "image.show_environment=false",
+                     "--width", options.width, "--height", options.width, "--samples", options.samples,
+                     "--stats", stats, "-o", Path(folder) / "image.png", *arguments])
         return json.loads(stats.read_text())["noise"]
 
 
@@ -39,18 +38,20 @@ def main():
     parser.add_argument("--width", type=int, default=128)
     options = parser.parse_args()
     head = [f"{kind}, ε = {epsilon}" for kind, epsilon in SETTINGS]
-    rows, logarithms = [], [0.0] * len(SETTINGS)
+    need_program(options.program)
+    need_inputs(SCENES, LIGHTS)
+    rows, all_ratios = [], []
     for scene in SCENES:
         for light in LIGHTS:
             baseline = noise(options, scene, light, ["--strategy", "environment"])
             ratios = [(baseline / noise(options, scene, light, ["--set", f"visibility.filter={kind}", "--set",
                                                                 f"visibility.epsilon={epsilon}"])) ** 2
                       for kind, epsilon in SETTINGS]
-            logarithms = [total + math.log(ratio) for total, ratio in zip(logarithms, ratios)]
+            all_ratios.append(ratios)
             rows.append([f"{scene}, {light}", *[f"{ratio:.2f}" for ratio in ratios]])
             print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
-    rows.append(["geometric mean", *[f"{math.exp(total / (len(SCENES) * len(LIGHTS))):.2f}" for total in logarithms]])
-    table = "\n".join("| " + " | ".join(cells) + " |" for cells in [["scene", *head], ["---"] * (len(head) + 1), *rows])
+    rows.append(["geometric mean", *[f"{geometric_mean(column):.2f}" for column in zip(*all_ratios)]])
+    table = markdown_rows(["scene", *head], rows)
     (ROOT / "docs" / "results" / "visibility-settings.md").write_text(
         "# Epsilon and the sweep-space filter\n\n"
         "How many times less variance two-step sampling has than environment sampling, at equal samples: above 1 is better.\n"
@@ -60,4 +61,8 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except (StudyError, OSError) as error:
+        print(f"visibility_settings: {error}", file=sys.stderr)
+        sys.exit(1)

@@ -1,0 +1,60 @@
+// lumisweep_bench [--quick] [--data DIR] [Google Benchmark's options]: studies/sweeps.py runs it and writes the report.
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "brute_force.h"
+#include "lumisweep/base/error.h"
+#include "machine.h"
+#include "subject.h"
+#include "sweeps.h"
+
+namespace {
+
+int run(int argc, char** argv)
+{
+    using namespace lumisweep;
+    bool quick = false;
+    std::filesystem::path data = LUMISWEEP_FETCHED_DATA;
+    std::vector<char*> others;
+    for (int i = 0; i < argc; ++i) {
+        const std::string_view argument = argv[i];
+        if (argument == "--quick")
+            quick = true;
+        else if (argument == "--data" && i + 1 < argc)
+            data = argv[++i];
+        else
+            others.push_back(argv[i]);
+    }
+    int count = static_cast<int>(others.size());
+    others.push_back(nullptr);
+    benchmark::Initialize(&count, others.data());
+    if (benchmark::ReportUnrecognizedArguments(count, others.data()))
+        return 2;
+    benchmark::AddCustomContext("lumisweep_build", LUMISWEEP_BUILD_TYPE);
+    benchmark::AddCustomContext("instruction_set", bench::machine_kernels().front().name);
+    benchmark::AddCustomContext("reference_seed", std::to_string(bench::reference_seed));
+    benchmark::AddCustomContext("brute_force_seed", std::to_string(bench::brute_force_seed));
+    bench::Subjects subjects;
+    bench::register_machine(quick);
+    bench::register_sweeps(subjects, data, quick);
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "lumisweep_bench: %s\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,48 @@
+#include "subject.h"
+
+namespace lumisweep::bench {
+
+ExtinctionGrid Subject::classified(int mip_level, ExtinctionLayouts layouts) const
+{
+    return classify(specimen_.volume, range_, specimen_.transfer_function, mip_level, layouts);
+}
+
+const ExtinctionGrid& Subject::extinction(int mip_level)
+{
+    const auto found = extinction_.find(mip_level);
+    return found != extinction_.end()
+               ? found->second
+               : extinction_.emplace(mip_level, classified(mip_level, ExtinctionLayouts::with_transposed))
+                     .first->second;
+}
+
+VisibilityGrid& Subject::grid(int cell)
+{
+    if (!grid_ || grid_cell_ != cell) {
+        grid_.reset();
+        grid_.emplace(specimen_.volume.size(), cell, 8);
+        grid_cell_ = cell;
+    }
+    return *grid_;
+}
+
+const References& Subject::references(int cell, int positions)
+{
+    const auto found = references_.find(cell);
+    return found != references_.end()
+               ? found->second
+               : references_.emplace(cell, make_references(extinction(0), grid(cell), positions, reference_seed))
+                     .first->second;
+}
+
+Subject& Subjects::get(const std::string& name)
+{
+    if (!subject_ || name_ != name) {
+        subject_.reset();
+        subject_.emplace(makers_.at(name)());
+        name_ = name;
+    }
+    return *subject_;
+}
+
+} // namespace lumisweep::bench

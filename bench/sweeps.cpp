@@ -1,0 +1,280 @@
+#include "sweeps.h"
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include "brute_force.h"
+#include "lumisweep/base/memory.h"
+#include "lumisweep/sampling/joint_grid.h"
+#include "lumisweep/visibility/sweep.h"
+
+namespace lumisweep::bench {
+namespace {
+
+struct SweepCase {
+    int rays = 0, cell = 4;
+    SweepFilter filter = SweepFilter::half_angle;
+    int threads = 1;
+};
+
+struct Plan {
+    std::string subject;
+    std::vector<SweepCase> sweeps;
+    std::vector<int> mip_levels, product_cells, brute_force_cells;
+    std::vector<int> thread_counts{1, 2}; ///< of preparation and product
+    int repetitions = 3;
+    int positions = 0;               ///< at which errors are taken; 0: no errors
+    double brute_force_rays = 0.0;   ///< about as many are marched, or all if the grid has up to eight times as many
+    std::uint64_t memory_needed = 0; ///< skipped where less is available
+};
+
+const char* name_of(SweepFilter filter)
+{
+    return filter == SweepFilter::none ? "none" : filter == SweepFilter::half_angle ? "half" : "full";
+}
+
+/// The CPU time is that of the calling thread, so an arena of one thread runs everything on it.
+template <class Work>
+void run_with_threads(benchmark::State& state, int threads, Work&& work)
+{
+    tbb::task_arena arena(threads);
+    for (auto _ : state)
+        arena.execute(work);
+}
+
+void sweep(benchmark::State& state, Subjects& subjects, const Plan& plan, const SweepCase& c)
+{
+    Subject& subject = subjects.get(plan.subject);
+    VisibilitySettings settings;
+    settings.cell = c.cell;
+    settings.rays = c.rays;
+    settings.filter = c.filter;
+    const ExtinctionGrid& extinction = subject.extinction(sweep_mip_level(subject.volume().size(), c.rays));
+    VisibilityGrid& grid = subject.grid(c.cell);
+    SweepStats stats;
+    run_with_threads(state, c.threads, [&] { stats = sweep_visibility(grid, extinction, settings); });
+    state.counters["march_s"] = stats.march_s;
+    state.counters["lookup_s"] = stats.lookup_s;
+    state.counters["filter_s"] = stats.filter_s;
+    state.counters["voxel_steps"] = static_cast<double>(stats.voxel_steps);
+    state.counters["mip_level"] = stats.mip_level;
+    state.counters["cell_directions"] = static_cast<double>(grid.cell_count()) * grid.direction_count();
+    state.counters["grid_bytes"] = static_cast<double>(grid.bytes());
+    state.counters["extinction_bytes"] = static_cast<double>(extinction.bytes());
+    if (plan.positions > 0 && c.threads == 1) {
+        const GridErrors errors = errors_of(grid, subject.references(c.cell, plan.positions));
+        state.counters["rms"] = errors.rms;
+        state.counters["rms_error"] = errors.rms_error;
+        state.counters["rms_averaged"] = errors.rms_averaged;
+        state.counters["rms_averaged_error"] = errors.rms_averaged_error;
+    }
+}
+
+void prepare(benchmark::State& state, Subjects& subjects, const Plan& plan, int mip_level, ExtinctionLayouts layouts,
+             int threads)
+{
+    Subject& subject = subjects.get(plan.subject);
+    std::size_t bytes = 0;
+    run_with_threads(state, threads, [&] { bytes = subject.classified(mip_level, layouts).bytes(); });
+    state.counters["volume_bytes"] = static_cast<double>(subject.volume().bytes());
+    state.counters["extinction_bytes"] = static_cast<double>(bytes);
+}
+
+/// Visibility times light with its averages, as a change of the light alone costs.
+void product(benchmark::State& state, Subjects& subjects, const Plan& plan, int cell, int threads)
+{
+    Subject& subject = subjects.get(plan.subject);
+    const VisibilityGrid& grid = subject.grid(cell);
+    const Environment light = Environment::constant({1.0, 0.9, 0.8});
+    std::size_t bytes = 0;
+    run_with_threads(state, threads, [&] {
+        bytes = JointGrid(grid, subject.volume().size(), light, JointFactor::visibility_times_light,
+                          VisibilitySettings{}.epsilon)
+                    .bytes();
+    });
+    state.counters["grid_bytes"] = static_cast<double>(grid.bytes());
+    state.counters["joint_bytes"] = static_cast<double>(bytes);
+}
+
+constexpr std::size_t row_block = 8; // rows of cells that brute force marches together
+
+/// The rows (j, k) of cells that are marched: all of a small grid, else blocks of neighbours at random.
+std::vector<int> rows_to_march(const VisibilityGrid& grid, double most_rays)
+{
+    const auto rows = static_cast<std::size_t>(grid.cells().y) * static_cast<std::size_t>(grid.cells().z);
+    std::vector<int> chosen(rows);
+    std::iota(chosen.begin(), chosen.end(), 0);
+    const double rays_per_row = static_cast<double>(grid.cells().x) * grid.direction_count();
+    if (static_cast<double>(rows) * rays_per_row <= 8.0 * most_rays)
+        return chosen;
+    std::vector<std::size_t> blocks(rows / row_block);
+    std::iota(blocks.begin(), blocks.end(), std::size_t{0});
+    std::shuffle(blocks.begin(), blocks.end(), std::mt19937_64(brute_force_seed));
+    blocks.resize(static_cast<std::size_t>(most_rays / rays_per_row / row_block) + 1);
+    chosen.clear();
+    for (const std::size_t b : blocks)
+        for (std::size_t row = 0; row < row_block; ++row)
+            chosen.push_back(static_cast<int>(b * row_block + row));
+    return chosen;
+}
+
+/// On one core; what the whole grid takes is cpu_time · cells_total / cells_marched.
+void brute_force(benchmark::State& state, Subjects& subjects, const Plan& plan, int cell)
+{
+    Subject& subject = subjects.get(plan.subject);
+    const VisibilityGrid& grid = subject.grid(cell);
+    const Vec3i size = subject.volume().size(), cells = grid.cells();
+    const Vec3d side{static_cast<double>(size.x) / cells.x, static_cast<double>(size.y) / cells.y,
+                     static_cast<double>(size.z) / cells.z};
+    const BruteForce marcher(subject.extinction(0), brute_force_kernels().front());
+    const std::vector<int> rows = rows_to_march(grid, plan.brute_force_rays);
+    std::vector<VisibilityQuery> queries;
+    std::vector<float> v(static_cast<std::size_t>(cells.x) * row_block);
+    double samples = 0.0;
+    for (auto _ : state) {
+        samples = 0.0;
+        for (int d = 0; d < grid.direction_count(); ++d) {
+            const Vec3d w_world = texel_direction(d, grid.directions_per_side());
+            for (std::size_t first = 0; first < rows.size(); first += row_block) {
+                queries.clear();
+                for (std::size_t r = first; r < std::min(first + row_block, rows.size()); ++r)
+                    for (int i = 0; i < cells.x; ++i)
+                        queries.push_back(
+                            {Vec3d{i + 0.5, rows[r] % cells.y + 0.5, rows[r] / cells.y + 0.5} * side, w_world});
+                samples += static_cast<double>(marcher.visibility(queries, v));
+                benchmark::DoNotOptimize(v.data());
+            }
+        }
+    }
+    state.counters["cells_marched"] = static_cast<double>(rows.size()) * cells.x;
+    state.counters["cells_total"] = static_cast<double>(grid.cell_count());
+    state.counters["samples"] = samples;
+    state.SetLabel(brute_force_kernels().front().name);
+}
+
+void register_plan(Subjects& subjects, const Plan& plan)
+{
+    const auto add = [&](const std::string& name, int threads, int repetitions, auto body) {
+        const auto guarded = [body, needed = plan.memory_needed](benchmark::State& state) {
+            if (available_memory() < needed)
+                state.SkipWithError("not enough memory");
+            else
+                body(state);
+        };
+        auto* added = benchmark::RegisterBenchmark(fmt::format("{}/threads:{}", name, threads).c_str(), guarded);
+        added->Iterations(1)->Repetitions(repetitions)->Unit(benchmark::kMillisecond);
+        if (threads > 1)
+            added->UseRealTime()->MeasureProcessCPUTime();
+    };
+    for (const int mip_level : plan.mip_levels)
+        for (const auto& [layouts, name] : {std::pair{ExtinctionLayouts::straight, "straight"},
+                                            std::pair{ExtinctionLayouts::with_transposed, "both"}})
+            for (const int threads : plan.thread_counts)
+                add(fmt::format("prepare/{}/mip:{}/layouts:{}", plan.subject, mip_level, name), threads,
+                    plan.repetitions + 2,
+                    [&subjects, plan, mip_level, layouts = layouts, threads](benchmark::State& state) {
+                        prepare(state, subjects, plan, mip_level, layouts, threads);
+                    });
+    for (const SweepCase& c : plan.sweeps)
+        add(fmt::format("sweep/{}/rays:{}/cell:{}/filter:{}", plan.subject, c.rays, c.cell, name_of(c.filter)),
+            c.threads, plan.repetitions,
+            [&subjects, plan, c](benchmark::State& state) { sweep(state, subjects, plan, c); });
+    for (const int cell : plan.product_cells)
+        for (const int threads : plan.thread_counts)
+            add(fmt::format("product/{}/cell:{}", plan.subject, cell), threads, plan.repetitions,
+                [&subjects, plan, cell, threads](benchmark::State& state) {
+                    product(state, subjects, plan, cell, threads);
+                });
+    for (const int cell : plan.brute_force_cells)
+        add(fmt::format("brute_force/{}/cell:{}", plan.subject, cell), 1, 1,
+            [&subjects, plan, cell](benchmark::State& state) { brute_force(state, subjects, plan, cell); });
+}
+
+using Filters = std::initializer_list<SweepFilter>;
+constexpr Filters plain_and_filtered{SweepFilter::none, SweepFilter::half_angle};
+constexpr Filters all_filters{SweepFilter::none, SweepFilter::half_angle, SweepFilter::full_angle};
+
+/// Cells outermost: the grid of one size is made once.
+void add_sweeps(Plan& plan, std::initializer_list<int> cells, std::initializer_list<int> rays, Filters filters,
+                int threads)
+{
+    for (const int cell : cells)
+        for (const int r : rays)
+            for (const SweepFilter filter : filters)
+                plan.sweeps.push_back({r, cell, filter, threads});
+}
+
+} // namespace
+
+void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool quick)
+{
+    constexpr std::uint64_t gigabyte = 1000000000;
+    const Vec3i size = quick ? Vec3i{64, 64, 57} : Vec3i{512, 512, 460};
+    subjects.add("ct", [size] { return ct_like(size); });
+    subjects.add("smoke", [size] { return smoke_like(size); });
+    subjects.add("ct-doubled", [size] { return doubled(ct_like(size)); });
+    const bool real = !quick && std::filesystem::exists(data / "ch2better.nii.gz");
+    if (real)
+        subjects.add("ch2better", [data] { return ch2better(data).value(); });
+
+    Plan ct;
+    ct.subject = "ct";
+    ct.positions = quick ? 16 : 256;
+    ct.repetitions = quick ? 1 : 3;
+    ct.brute_force_rays = quick ? 4e5 : 2e6;
+    ct.memory_needed = quick ? 0 : 3 * gigabyte;
+    Plan smoke = ct, ch2 = ct, large = ct;
+    if (quick) {
+        ct.mip_levels = {0, 1};
+        ct.product_cells = ct.brute_force_cells = {4, 8};
+        add_sweeps(ct, {2, 4, 8, 16}, {64, 32, 16}, plain_and_filtered, 1);
+        add_sweeps(ct, {4, 8}, {64, 32}, {SweepFilter::half_angle}, 2);
+        add_sweeps(ct, {8}, {64, 32}, {SweepFilter::full_angle}, 1);
+    } else {
+        // The journal paper's Table 1, and its Table 2 (cells of 8³ voxels).
+        ct.mip_levels = {0, 1, 2};
+        ct.product_cells = ct.brute_force_cells = {2, 4, 8, 16};
+        add_sweeps(ct, {2, 4, 8, 16}, {512, 256, 128, 64, 32, 16}, plain_and_filtered, 1);
+        add_sweeps(ct, {4, 8}, {512, 256}, {SweepFilter::half_angle}, 2);
+        add_sweeps(ct, {8}, {512, 256}, {SweepFilter::full_angle}, 1);
+    }
+    register_plan(subjects, ct);
+
+    smoke.subject = "smoke";
+    smoke.mip_levels = {0, 1};
+    smoke.brute_force_cells = {4, 8};
+    add_sweeps(smoke, {4}, quick ? std::initializer_list<int>{64, 32} : std::initializer_list<int>{512, 256, 128},
+               plain_and_filtered, 1);
+    add_sweeps(smoke, {8}, quick ? std::initializer_list<int>{64, 32} : std::initializer_list<int>{512, 256},
+               all_filters, 1);
+    register_plan(subjects, smoke);
+
+    if (real) {
+        ch2.subject = "ch2better";
+        ch2.mip_levels = {0, 1};
+        ch2.brute_force_cells = {4, 8};
+        add_sweeps(ch2, {4}, {512, 256, 128}, plain_and_filtered, 1);
+        add_sweeps(ch2, {8}, {512, 256}, all_filters, 1);
+        register_plan(subjects, ch2);
+    }
+
+    // Table 2's 1024² rays need a volume of that side; cells of 16 voxels keep its 64 × 64 × 57 cells.
+    large.subject = "ct-doubled";
+    large.mip_levels = {0, 1};
+    large.positions = 0;
+    large.repetitions = quick ? 1 : 2;
+    large.memory_needed = quick ? 0 : 6 * gigabyte;
+    add_sweeps(large, {16}, quick ? std::initializer_list<int>{128} : std::initializer_list<int>{1024, 512},
+               all_filters, 1);
+    register_plan(subjects, large);
+}
+
+} // namespace lumisweep::bench

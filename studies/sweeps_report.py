@@ -1,0 +1,268 @@
+"""The report of studies/sweeps.py: tables beside the papers', fractions of the machine's limits, the targets' verdicts."""
+from common import markdown_rows
+
+# Journal paper, Table 1: seconds on a GeForce GTX 760, Manix 512 × 512 × 460, by rays and voxels per cell.
+PAPER_CELLS = (2, 4, 8, 16)
+PAPER_SWEEPS = {16: (3.76, 1.93, 0.76, 0.53), 32: (3.89, 1.97, 0.79, 0.54), 64: (4.05, 2.03, 0.79, 0.55),
+                128: (4.31, 2.40, 1.04, 0.59), 256: (6.36, 3.23, 1.63, 1.41)}
+PAPER_BRUTE_FORCE = (97.35, 15.17, 2.79, 0.57)
+PAPER_MEGABYTES = (964.7, 120.6, 15.0, 1.8)
+# Table 2: seconds without the filter on a GTX Titan and the filter's overhead factor, by rays; cells of 8³ voxels.
+PAPER_FILTER = {"Engine 256² × 128": ((0.63, 2.05), (0.98, 1.28), (2.33, 0.55)),
+                "Fluid 256³": ((0.60, 2.36), (1.03, 1.42), (2.72, 0.52)),
+                "Smoke 384² × 512": ((1.05, 2.26), (1.75, 1.40), (4.56, 0.57)),
+                "Backpack 512² × 373": ((1.09, 3.08), (1.81, 1.88), (4.96, 0.81)),
+                "Statue 535 × 342 × 690": ((1.29, 3.24), (2.05, 2.17), (5.47, 0.85)),
+                "Manix 512² × 460": ((1.46, 2.42), (2.21, 1.66), (5.33, 0.81))}
+
+NAMES = {"ct": "CT-like", "smoke": "smoke-like", "ch2better": "ch2better (MR, 301 × 370 × 316)",
+         "ct-doubled": "CT-like at twice the voxels a side, 8 bits"}
+
+
+def sweep_key(subject, rays, cell, filter_, threads=1):
+    return ("sweep", subject, f"rays:{rays}", f"cell:{cell}", f"filter:{filter_}", f"threads:{threads}")
+
+
+def prepare_key(subject, level, layouts="both", threads=1):
+    return ("prepare", subject, f"mip:{level}", f"layouts:{layouts}", f"threads:{threads}")
+
+
+def number(value, digits=3):
+    """Three digits, without an exponent."""
+    if value >= 10 ** (digits - 1):
+        return f"{value:.0f}"
+    return f"{value:#.{digits}g}" if value >= 1e-4 or value == 0 else f"{value:.1e}"
+
+
+def seconds(results, *key, clock="cpu_time"):
+    return number(results.seconds(*key, clock=clock)) if results.has(*key) else "–"
+
+
+def squared(n):
+    return f"{n}²"
+
+
+def machine(results):
+    return results.context["instruction_set"]
+
+
+def ceilings(results):
+    def rate(counter, isa, *name):
+        return results.rate(counter, "machine", isa, *name)
+
+    isas = [key[1] for key in results.runs if key[0] == "machine" and key[2] == "fma"]
+    rows = []
+    for isa in isas:
+        bandwidths = [f"{rate('bytes_per_second', isa, 'read', place, 'aligned') / 1e9:.0f} / "
+                      f"{rate('bytes_per_second', isa, 'read', place, 'unaligned') / 1e9:.0f}" for place in ("L1", "L2", "16MB")]
+        rows.append([isa, f"{rate('flops_per_second', isa, 'fma') / 1e9:.0f}", f"{rate('quads_per_second', isa, 'dot') / 1e9:.1f}",
+                     *bandwidths, f"{rate('bytes_per_second', isa, 'read', 'DRAM', 'aligned') / 1e9:.1f}",
+                     f"{rate('bytes_per_second', isa, 'stream', 'DRAM') / 1e9:.1f}",
+                     f"{rate('bytes_per_second', isa, 'read', 'DRAM', 'threads:2') / 1e9:.1f}"])
+    return markdown_rows(["one core", "FMA, GFLOP/s", "dot products, G quads/s", "L1 read, GB/s", "L2 read", "16 MB read", "DRAM read",
+                          "streaming store", "DRAM read, two threads"], rows)
+
+
+def limits(results):
+    """Voxel steps a second that one core could do at most: by dot products, and by 64-byte loads of 16 quads each."""
+    isa = machine(results)
+    dot = results.rate("quads_per_second", "machine", isa, "dot")
+    loads = results.rate("bytes_per_second", "machine", isa, "read", "L1", "unaligned") / 64 * 16
+    return dot, loads
+
+
+def speed_up(results, one, two):
+    """Of two threads over one: by wall-clock time, and by twice the processor time of one over that of both together."""
+    return (results.seconds(*one, clock="real_time") / results.seconds(*two, clock="real_time"),
+            2 * results.seconds(*one) / results.seconds(*two))
+
+
+def stages(results, subject):
+    dot, loads = limits(results)
+    rows = []
+    for cell in results.values("sweep", subject, "cell"):
+        for rays in reversed(results.values("sweep", subject, "rays")):
+            key = sweep_key(subject, rays, cell, "half")
+            if not results.has(*key):
+                continue
+            run, total = results.best(*key), results.seconds(*key)
+            # The program's own split is in wall-clock time: its shares of the processor time.
+            busy = run["cpu_time"] / run["real_time"]
+            march = run["voxel_steps"] / (busy * run["march_s"])
+            two = sweep_key(subject, rays, cell, "half", 2)
+            wall = "–"
+            if results.has(*two):
+                by_wall, by_work = speed_up(results, key, two)
+                wall = f"{seconds(results, *two, clock='real_time')} ({by_wall:.2f}×, {by_work:.2f}×)"
+            rows.append([squared(rays), str(cell), number(total), *[number(busy * run[f"{stage}_s"]) for stage in ("march", "lookup", "filter")],
+                         f"{march / 1e9:.2f}", f"{run['voxel_steps'] / total / 1e9:.2f}", f"{march / loads:.0%}", f"{march / dot:.0%}",
+                         f"{run['cell_directions'] / total / 1e9:.2f}", wall])
+    return markdown_rows(["rays", "cell", "sweep, s", "march", "lookup", "filter", "G steps/s, march", "whole sweep", "of the load limit",
+                          "of the dot limit", "G values of V/s", "two threads, wall s"], rows)
+
+
+def preparation(results):
+    rows = []
+    isa = machine(results)
+    dram = results.rate("bytes_per_second", "machine", isa, "read", "DRAM", "aligned")
+    for subject in NAMES:
+        for level in results.values("prepare", subject, "mip"):
+            straight, both = prepare_key(subject, level, "straight"), prepare_key(subject, level)
+            run, time = results.best(*both), results.seconds(*both)
+            moved = run["volume_bytes"] + run["extinction_bytes"]
+            rows.append([NAMES[subject], str(level), number(1e3 * results.seconds(*straight)),
+                         number(1e3 * max(0.0, time - results.seconds(*straight))), number(1e3 * time),
+                         number(1e3 * results.seconds(*prepare_key(subject, level, threads=2), clock="real_time")),
+                         number(run["extinction_bytes"] / 1e6), f"{moved / time / 1e9:.2f}", f"{moved / time / dram:.0%}"])
+    return markdown_rows(["volume", "mip level", "classify, ms", "layouts, ms", "both, ms", "two threads, wall ms", "MB kept",
+                          "GB/s read and written", "of DRAM read"], rows)
+
+
+def products(results):
+    rows = []
+    for subject in NAMES:
+        for cell in results.values("product", subject, "cell"):
+            key = ("product", subject, f"cell:{cell}", "threads:1")
+            run, time = results.best(*key), results.seconds(*key)
+            rows.append([NAMES[subject], str(cell), number(time), seconds(results, *key[:3], "threads:2", clock="real_time"),
+                         number(run["grid_bytes"] / 1e6), number(run["joint_bytes"] / 1e6),
+                         f"{(run['grid_bytes'] + run['joint_bytes']) / time / 1e9:.2f}"])
+    return markdown_rows(["volume", "cell", "product, s", "two threads, wall s", "V, MB", "product, MB", "GB/s"], rows)
+
+
+def brute_force_seconds(results, subject, cell):
+    """(seconds for all cells on one core, relative to those that were marched)."""
+    key = ("brute_force", subject, f"cell:{cell}", "threads:1")
+    run = results.best(*key)
+    return results.seconds(*key) * run["cells_total"] / run["cells_marched"], run["cells_marched"] / run["cells_total"], run
+
+
+def table_1(results):
+    cells = [cell for cell in PAPER_CELLS if results.has("brute_force", "ct", f"cell:{cell}", "threads:1")]
+    rays = results.values("sweep", "ct", "rays")
+    rows = [["memory of V, MB", *[f"{PAPER_MEGABYTES[PAPER_CELLS.index(c)]} / "
+                                  f"{number(results.best(*sweep_key('ct', rays[0], c, 'half'))['grid_bytes'] / 1e6)}" for c in cells]]]
+    for r in rays:
+        papers = PAPER_SWEEPS.get(r)
+        rows.append([f"sweep, {squared(r)}", *[
+            f"{papers[PAPER_CELLS.index(c)] if papers else '–'} / {seconds(results, *sweep_key('ct', r, c, 'none'))} / "
+            f"{seconds(results, *sweep_key('ct', r, c, 'half'))}" for c in cells]])
+    forced, ratios = [], []
+    for c in cells:
+        whole, share, _ = brute_force_seconds(results, "ct", c)
+        forced.append(f"{PAPER_BRUTE_FORCE[PAPER_CELLS.index(c)]} / {number(whole)}" + ("" if share == 1 else f" ({share:.1%} of the cells, scaled)"))
+        ratios.append(f"{whole / results.seconds(*sweep_key('ct', rays[-1], c, 'half')):.0f}×")
+    rows += [["brute force", *forced], [f"ours over {squared(rays[-1])} filtered", *ratios]]
+    return markdown_rows(["", *[f"cells of {c}³ voxels" for c in cells]], rows)
+
+
+def table_2(results):
+    rows = [[f"{name}, the papers", *[f"{time} ({factor}×)" for time, factor in values]] for name, values in PAPER_FILTER.items()]
+    columns = (256, 512, 1024)
+    for subject, cell in (("ct", 8), ("smoke", 8), ("ch2better", 8), ("ct-doubled", 16)):
+        for filter_, label in (("half", "half angle"), ("full", "full angle")):
+            cells = []
+            for rays in columns:
+                plain, filtered = sweep_key(subject, rays, cell, "none"), sweep_key(subject, rays, cell, filter_)
+                if results.has(*plain) and results.has(*filtered):
+                    cells.append(f"{seconds(results, *plain)} ({results.seconds(*filtered) / results.seconds(*plain) - 1:.2f}×)")
+                else:
+                    cells.append(results.failed.get(plain, "–"))
+            if any(cell_ != "–" for cell_ in cells):
+                rows.append([f"{NAMES[subject]}, ours, {label}", *cells])
+    return markdown_rows(["volume", *[squared(rays) for rays in columns]], rows)
+
+
+def errors(results):
+    rows = []
+    for subject in NAMES:
+        for cell in results.values("sweep", subject, "cell"):
+            for rays in reversed(results.values("sweep", subject, "rays")):
+                pair = [sweep_key(subject, rays, cell, filter_) for filter_ in ("none", "half")]
+                if not all(results.has(*key) and "rms" in results.best(*key) for key in pair):
+                    continue
+                plain, filtered = (results.best(*key) for key in pair)
+                rows.append([NAMES[subject], squared(rays), str(cell), with_error(plain, "rms"), with_error(plain, "rms_averaged"),
+                             with_error(filtered, "rms_averaged"), with_error(filtered, "rms")])
+    return markdown_rows(["volume", "rays", "cell", "exact, no filter", "averaged, no filter", "averaged, filtered", "exact, filtered"], rows)
+
+
+def with_error(run, name):
+    return f"{run[name]:.4f} ± {run[name + '_error']:.4f}"
+
+
+def targets(results):
+    """Each target: what was to be had, what was measured, the verdict."""
+    ct = "ct"
+    rows = []
+
+    def at_most(what, limit, value, unit):
+        rows.append([what, f"≤ {limit} {unit}".rstrip(), number(value) if unit else f"{value:.4f}", "met" if value <= limit else "MISSED"])
+
+    def at_least(what, limit, value):
+        rows.append([what, f"≥ {limit}×", f"{value:.3g}×", "met" if value >= limit else "MISSED"])
+
+    most = sweep_key(ct, 512, 4, "half")
+    at_most("512² rays to 128 × 128 × 115 cells, filtered", 0.50, results.seconds(*most), "s")
+    at_most("512² rays to 64 × 64 × 57 cells, filtered", 0.35, results.seconds(*sweep_key(ct, 512, 8, "half")), "s")
+    at_most("256² rays to 128 × 128 × 115 cells, filtered", 0.25, results.seconds(*sweep_key(ct, 256, 4, "half")), "s")
+    for level in (0, 1):
+        at_most(f"preparation, mip level {level}, all layouts", 0.08, results.seconds(*prepare_key(ct, level)), "s")
+    for clock, value in zip(("wall-clock time", "processor time"), speed_up(results, most, sweep_key(ct, 512, 4, "half", 2))):
+        at_least(f"two threads, 512² to 128 × 128 × 115, by {clock}", 1.8, value)
+    for subject in (ct, "smoke"):
+        at_least(f"faster than our brute force, {NAMES[subject]}, 512² filtered, cells of 4³", 200,
+                 brute_force_seconds(results, subject, 4)[0] / results.seconds(*sweep_key(subject, 512, 4, "half")))
+    for subject, exact, averaged in ((ct, 0.010, 0.053), ("smoke", 0.002, 0.045)):
+        at_most(f"rms against exact, {NAMES[subject]}, 512², cells of 4³, no filter", exact,
+                results.best(*sweep_key(subject, 512, 4, "none"))["rms"], "")
+        at_most(f"rms against cell-and-texel averages, {NAMES[subject]}, filtered", averaged,
+                results.best(*sweep_key(subject, 512, 4, "half"))["rms_averaged"], "")
+    return markdown_rows(["target", "wanted", "measured", "verdict"], rows)
+
+
+PREFACE = """# Visibility sweeps against the machine and the papers
+
+Measured on {processor} ({cores} cores), {isa}, commit {commit}, {date}, in {minutes:.1f} minutes; the load average was {load_before:.1f} before and
+{load_after:.1f} after (1 is one busy core; this run itself makes up to 2). {loaded}
+Volumes: a generated CT-like head and a smoke-like plume, {size}, 16 bits; ch2better, a real MR in 8 bits.
+64 directions. Seconds are processor time of one thread, the least of several repetitions; march, lookup and filter are their shares of that.
+Two threads: wall-clock seconds, how many times faster than one by that clock, and what processor time says: twice that of one thread over
+that of both together, waiting included, which other work on the machine disturbs less. Regenerate with `studies/sweeps.py`{how}.
+"""
+
+
+def report(results):
+    study, quick = results.study, results.study["quick"]
+    loaded = "Other work ran on the machine: trust ratios more than times." if study["load_before"] > 0.5 else "The machine was idle."
+    text = [PREFACE.format(**study, isa=machine(results), loaded=loaded, size="64 × 64 × 57 (a trial run)" if quick else "512 × 512 × 460",
+                           how=" without `--quick`" if quick else "")]
+    if not quick:
+        text += ["## Targets", "", targets(results), ""]
+    text += ["## The machine's own limits", "",
+             "Reads are in steps of 64 bytes, aligned / two bytes off. A quad is four products of an 8-bit voxel with an 8-bit weight and",
+             "their sum: one voxel step. The load limit below is one unaligned 64-byte read from L1, which holds 16 quads.", "",
+             ceilings(results), ""]
+    for subject in ("ct", "smoke", "ch2better"):
+        if results.values("sweep", subject, "rays"):
+            text += [f"## Where the time goes: {NAMES[subject]}", "", stages(results, subject), ""]
+    text += ["## Preparation", "",
+             "From a new transfer function to what sweeps march through: the volume is read once, extinction written, and its transposed copy.",
+             "", preparation(results), "",
+             "## Product with the light", "", products(results), "",
+             "## The papers' Table 1", "",
+             "Seconds: the papers' (GeForce GTX 760, Manix 512 × 512 × 460, unfiltered) / ours unfiltered / ours filtered (CT-like, one core). Brute force:",
+             "the papers' / ours (`bench/brute_force.h`: one sample a voxel, " + results.best("brute_force", "ct", "cell:8", "threads:1").get("label", "") +
+             " gathers, ends where 1/512 is left).",
+             "Its cells were marched in random blocks of rows" + f" (seed {results.context['brute_force_seed']}) where a share is given.", "",
+             table_1(results), ""]
+    if not quick:
+        text += ["## The papers' Table 2", "",
+                 "Seconds without the filter and what the filter adds, as a multiple of them. The papers: GTX Titan, cells of 8³ voxels. Ours: one",
+                 "core; 1024² rays need a volume of that side, marched with cells of 16³ (the same number of cells).", "",
+                 table_2(results), ""]
+    text += ["## Errors", "",
+             "Root mean square over all directions of cells taken at random" + f" (seed {results.context['reference_seed']}), ± the standard error of that",
+             "choice. Exact: V at cell and texel centres in the same classified volume at full resolution. Averaged: V averaged over cell and texel.",
+             "The filter aims at the average, so it moves away from the exact value.", "", errors(results), ""]
+    return "\n".join(text).rstrip() + "\n"

@@ -5,11 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
+#include "kernel_tables.h"
 #include "lumisweep/math/trigonometry.h"
 
 namespace lumisweep {
 namespace {
+
+using namespace test;
+
+using Slice = std::vector<std::uint16_t>;
 
 /// Mean over the part of [centre − box/2, centre + box/2] that lies on the line, cells being constant.
 template <class Cell>
@@ -25,40 +31,93 @@ double direct_mean(int count, int centre, double box, Cell&& cell)
     return sum / covered;
 }
 
+Slice filtered(const SweepKernels& kernels, int width, int height, Slice slice, double box_u, double box_v)
+{
+    SliceFilter filter(kernels, width, height);
+    const std::uint16_t* out = filter.apply(slice.data(), box_u, box_v);
+    return Slice(out, out + slice.size());
+}
+
+Slice random_slice(int width, int height, std::mt19937& random)
+{
+    std::uniform_int_distribution<int> value(0, whole_visibility);
+    Slice slice(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    std::generate(slice.begin(), slice.end(), [&] { return static_cast<std::uint16_t>(value(random)); });
+    return slice;
+}
+
+/// Largest difference from the direct sum.
+double worst_error(int width, int height, const Slice& in, double box_u, double box_v)
+{
+    const Slice out = filtered(sweep_kernels(), width, height, in, box_u, box_v);
+    std::vector<double> rows(in.size());
+    for (int j = 0; j < height; ++j)
+        for (int i = 0; i < width; ++i)
+            rows[static_cast<std::size_t>(j * width + i)] =
+                direct_mean(width, i, box_u, [&](int u) { return in[static_cast<std::size_t>(j * width + u)]; });
+    double worst = 0.0;
+    for (int j = 0; j < height; ++j)
+        for (int i = 0; i < width; ++i) {
+            const double expected =
+                direct_mean(height, j, box_v, [&](int v) { return rows[static_cast<std::size_t>(v * width + i)]; });
+            worst = std::max(worst, std::fabs(out[static_cast<std::size_t>(j * width + i)] - expected));
+        }
+    return worst;
+}
+
 TEST(SweepFilter, RunningSumsEqualTheDirectSum)
 {
     std::mt19937 random(1);
-    std::uniform_int_distribution<int> value(0, 65535);
-    for (const std::pair<int, int>& size : {std::pair{1, 1}, {1, 9}, {9, 1}, {17, 13}, {64, 5}})
-        for (const double box_u : {1.0, 1.3, 2.0, 3.0, 4.7, 16.9, 17.0, 500.0, 1e16})
-            for (const double box_v : {1.0, 2.5, 5.0, 40.0}) {
-                const int width = size.first, height = size.second;
-                std::vector<std::int32_t> in(static_cast<std::size_t>(width * height));
-                std::generate(in.begin(), in.end(), [&] { return value(random); });
-                std::vector<std::int32_t> out = in;
-                SliceFilter(width, height).apply(out.data(), box_u, box_v);
-                for (int j = 0; j < height; ++j)
-                    for (int i = 0; i < width; ++i) {
-                        const double expected = direct_mean(height, j, box_v, [&](int v) {
-                            return direct_mean(width, i, box_u,
-                                               [&](int u) { return in[static_cast<std::size_t>(v * width + u)]; });
-                        });
-                        // Two roundings to whole 1/65535, and float products.
-                        ASSERT_NEAR(out[static_cast<std::size_t>(j * width + i)], expected, 1.1)
-                            << width << " x " << height << " box " << box_u << " x " << box_v << " at " << i << ", "
-                            << j;
-                    }
-            }
+    for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {9, 1}, {17, 13}, {64, 5}, {3, 70}, {33, 31}})
+        for (const double box_u : {1.0, 1.3, 2.0, 3.0, 4.7, 14.9, 15.0})
+            for (const double box_v : {1.0, 2.5, 5.0, 14.2})
+                // 2 for either axis.
+                EXPECT_LE(worst_error(width, height, random_slice(width, height, random), box_u, box_v),
+                          (box_u > 1.0 ? 2.0 : 0.0) + (box_v > 1.0 ? 2.0 : 0.0))
+                    << width << " x " << height << " box " << box_u << " x " << box_v;
 }
 
-TEST(SweepFilter, ConstantStaysConstant)
+TEST(SweepFilter, WideBoxesSumFewerBits)
 {
-    for (const int constant : {0, 1, 32768, 65535}) {
-        std::vector<std::int32_t> slice(31 * 12, constant);
-        SliceFilter(31, 12).apply(slice.data(), 7.31, 3.9);
-        for (const std::int32_t v : slice)
-            EXPECT_EQ(v, constant);
+    std::mt19937 random(2);
+    for (const double box : {17.0, 33.3, 63.0, 100.5, 254.9, 255.0}) {
+        EXPECT_LE(worst_error(300, 2, random_slice(300, 2, random), box, 1.0), 8.0) << box;
+        EXPECT_LE(worst_error(2, 300, random_slice(2, 300, random), 1.0, box), 8.0) << box;
     }
+    // Wider than the slice, at any width: the mean of all.
+    for (const double box : {500.0, 1e16}) {
+        EXPECT_LE(worst_error(15, 12, random_slice(15, 12, random), box, 1.0), 2.0) << box;
+        EXPECT_LE(worst_error(15, 12, random_slice(15, 12, random), 1.0, box), 2.0) << box;
+    }
+}
+
+TEST(SweepFilter, ConstantStaysConstantIn8Bits)
+{
+    for (const auto& [width, height] : {std::pair{31, 12}, {257, 3}, {3, 257}, {1, 40}, {40, 1}})
+        for (const double box_u : {1.0, 1.7, 7.31, 255.0})
+            for (const double box_v : {1.0, 3.9, 255.0})
+                for (const int stored : {0, 1, 77, 128, 254, 255}) {
+                    const Slice slice(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                                      static_cast<std::uint16_t>(16 * stored));
+                    const Slice out = filtered(sweep_kernels(), width, height, slice, box_u, box_v);
+                    std::vector<std::uint8_t> bytes(out.size());
+                    sweep_kernels().store(bytes.data(), out.data(), static_cast<int>(out.size()));
+                    for (const std::uint8_t v : bytes)
+                        ASSERT_EQ(v, stored) << width << " x " << height << " box " << box_u << " x " << box_v;
+                }
+}
+
+TEST(SweepFilter, EveryInstructionSetGivesTheSameBits)
+{
+    std::mt19937 random(3);
+    for (const auto& [width, height] : {std::pair{1, 1}, {5, 3}, {31, 17}, {64, 20}, {129, 6}, {7, 90}})
+        for (const double box : {1.2, 3.0, 8.8, 40.1, 1e9}) {
+            const Slice in = random_slice(width, height, random);
+            const Slice expected = filtered(sweep_kernels_baseline, width, height, in, box, 0.7 * box + 0.3);
+            for (const SweepKernels* kernels : runnable_kernels())
+                EXPECT_EQ(filtered(*kernels, width, height, in, box, 0.7 * box + 0.3), expected)
+                    << kernels->name << ", " << width << " x " << height << " box " << box;
+        }
 }
 
 TEST(SweepFilter, AngleScalesWithTheTexel)

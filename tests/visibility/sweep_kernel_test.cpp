@@ -2,97 +2,304 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
 
+#include "kernel_tables.h"
+
 namespace lumisweep {
 namespace {
 
-std::vector<const SweepKernels*> wider_kernels()
+using namespace test;
+
+int uniform(std::mt19937& random, int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); }
+
+template <class T>
+std::vector<T> random_values(std::mt19937& random, int count, int low, int high)
 {
-    std::vector<const SweepKernels*> kernels;
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-        kernels.push_back(&sweep_kernels_avx2);
-    if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-        kernels.push_back(&sweep_kernels_avx512);
-#endif
-    return kernels;
+    std::vector<T> list(static_cast<std::size_t>(count));
+    std::generate(list.begin(), list.end(), [&] { return static_cast<T>(uniform(random, low, high)); });
+    return list;
 }
 
-struct Row {
-    std::vector<std::int32_t> tau = std::vector<std::int32_t>(201, 1000);
-    std::vector<std::int32_t> visibility = std::vector<std::int32_t>(200);
+std::vector<float> random_floats(std::mt19937& random, int count, float low, float high)
+{
+    std::uniform_real_distribution<float> value(low, high);
+    std::vector<float> list(static_cast<std::size_t>(count));
+    std::generate(list.begin(), list.end(), [&] { return value(random); });
+    return list;
+}
+
+/// Lengths about the widths of vectors, and others.
+std::vector<int> awkward_counts() { return {1, 2, 3, 7, 8, 15, 16, 17, 31, 32, 33, 47, 63, 64, 65, 127, 129, 200}; }
+
+TEST(SweepKernels, TheWidestRunnableIsChosen) { EXPECT_EQ(&sweep_kernels(), runnable_kernels().back()); }
+
+TEST(SweepKernels, PairsOfRows)
+{
+    std::mt19937 random(1);
+    for (const SweepKernels* kernels : runnable_kernels())
+        for (const int count : awkward_counts()) {
+            const auto low = random_values<std::uint8_t>(random, count, 0, 255);
+            const auto high = random_values<std::uint8_t>(random, count, 0, 255);
+            const int before = pair_row_margin + 2 * edge_voxels;
+            std::vector<std::uint8_t> bytes(static_cast<std::size_t>(2 * before + 2 * count), 99);
+            kernels->make_pairs(bytes.data() + before, low.data(), high.data(), count);
+            for (int u = -edge_voxels; u < count + edge_voxels; ++u) {
+                const std::size_t voxel = static_cast<std::size_t>(std::clamp(u, 0, count - 1));
+                const std::size_t at = static_cast<std::size_t>(before + 2 * u);
+                ASSERT_EQ(bytes[at], low[voxel]) << kernels->name << ", " << count << " voxels, at " << u;
+                ASSERT_EQ(bytes[at + 1], high[voxel]) << kernels->name << ", " << count << " voxels, at " << u;
+            }
+        }
+}
+
+/// Rays and the pieces of slices that they count, as the march makes them.
+struct MarchCase {
+    int rays;
+    std::vector<std::int32_t> even, odd;
+    std::vector<std::vector<std::uint8_t>> pairs;
+    std::vector<MarchRow> rows;
+
+    MarchCase(std::mt19937& random, int ray_count, int row_count) : rays(ray_count)
+    {
+        const int padded = (rays + ray_block - 1) / ray_block * (ray_block / 2);
+        even = random_values<std::int32_t>(random, padded, -1000000, 100000000);
+        odd = random_values<std::int32_t>(random, padded, -1000000, 100000000);
+        for (int r = 0; r < row_count; ++r) {
+            MarchRow row{};
+            // Whole rows, one ray, none, part of one block, any.
+            switch (uniform(random, 0, 5)) {
+            case 0: row.first = 0, row.last = rays; break;
+            case 1: row.first = uniform(random, 0, rays - 1), row.last = row.first + 1; break;
+            case 2: row.first = rays, row.last = 0; break;
+            case 3: row.first = rays / ray_block * ray_block, row.last = rays; break;
+            default: row.first = uniform(random, 0, rays); row.last = uniform(random, row.first, rays);
+            }
+            // Readable from a margin before the first counted ray's voxels to one behind the last's.
+            const int first = std::min(row.first, rays - 1), last = std::max(row.last, first + 1);
+            pairs.push_back(random_values<std::uint8_t>(random, 2 * (last - first + 1) + 2 * pair_row_margin, 0, 255));
+            if (uniform(random, 0, 3) == 0)
+                std::fill(pairs.back().begin(), pairs.back().end(), std::uint8_t{255});
+            row.pairs = pairs.back().data() + (pair_row_margin - 2 * first);
+            int rest = uniform(random, 0, 3) == 0 ? 127 : uniform(random, 0, 127);
+            for (int k = 0; k < 4; ++k) {
+                const int weight = k == 3 || uniform(random, 0, 4) == 0 ? rest : uniform(random, 0, rest);
+                row.weight[k] = static_cast<std::int8_t>(weight);
+                rest -= weight;
+            }
+            rows.push_back(row);
+        }
+    }
+
+    void march_plainly()
+    {
+        for (const MarchRow& row : rows)
+            for (int ray = row.first; ray < row.last; ++ray)
+                for (int k = 0; k < 4; ++k)
+                    (ray % 2 == 0 ? even : odd)[static_cast<std::size_t>(ray / 2)] +=
+                        row.pairs[2 * ray + k] * row.weight[k];
+    }
 };
 
-Row run(const SweepKernels& kernels)
+TEST(SweepKernels, MarchAddsWhatTheWindowsCount)
 {
-    std::mt19937 random(9);
-    std::uniform_int_distribution<int> byte(0, 255);
-    std::vector<std::uint8_t> low(202), high(202);
-    for (std::size_t i = 0; i < low.size(); ++i) {
-        low[i] = static_cast<std::uint8_t>(byte(random));
-        high[i] = static_cast<std::uint8_t>(byte(random));
-    }
-    Row row;
-    std::vector<std::uint16_t> mixed(202);
-    for (const int weight : {0, 1, 100, 256}) {
-        kernels.mix_rows(mixed.data(), low.data(), high.data(), weight, 202);
-        kernels.advance_rays(row.tau.data(), mixed.data(), 60000, 5535, 201);
-    }
-    std::vector<float> tau(201), length(201), enter(201), leave(201), fraction(200), scratch(200);
-    std::vector<std::int32_t> ray(200);
-    for (std::size_t i = 0; i < 201; ++i) {
-        enter[i] = static_cast<float>(i) * 0.11F - 5.0F;
-        leave[i] = static_cast<float>(i) * 0.13F;
-    }
-    for (std::size_t i = 0; i < 200; ++i) {
-        ray[i] = static_cast<std::int32_t>(i);
-        fraction[i] = static_cast<float>(byte(random)) / 256.0F;
-    }
-    kernels.mix_rays(tau.data(), row.tau.data(), row.tau.data(), 0.3F, 201);
-    const float row_enter[2] = {-1.0F, 2.0F}, row_leave[2] = {30.0F, 18.5F};
-    kernels.mix_lengths(length.data(), enter.data(), leave.data(), row_enter, row_leave, 20.25F, 0.7F, 201);
-    const LookupRow lookup{tau.data(),   length.data(), ray.data(), fraction.data(), enter.data(),
-                           leave.data(), -3.0F,         19.0F,      3e-5F,           200};
-    kernels.look_up(row.visibility.data(), lookup, 20.25F, scratch.data());
-    return row;
-}
-
-TEST(SweepKernels, EveryInstructionSetGivesTheSameBits)
-{
-    const Row expected = run(sweep_kernels_baseline);
-    for (const SweepKernels* kernels : wider_kernels()) {
-        const Row row = run(*kernels);
-        EXPECT_EQ(row.tau, expected.tau) << kernels->name;
-        EXPECT_EQ(row.visibility, expected.visibility) << kernels->name;
+    std::mt19937 random(2);
+    for (int repeat = 0; repeat < 1500; ++repeat) {
+        const int rays = repeat % 3 == 0 ? uniform(random, 1, 40) : uniform(random, 1, 300);
+        const MarchCase start(random, rays, uniform(random, 0, 21));
+        MarchCase expected = start;
+        expected.march_plainly();
+        for (const SweepKernels* kernels : runnable_kernels()) {
+            MarchCase marched = start;
+            kernels->march(marched.even.data(), marched.odd.data(), start.rows.data(),
+                           static_cast<int>(start.rows.size()));
+            ASSERT_EQ(marched.even, expected.even) << kernels->name << ", case " << repeat;
+            ASSERT_EQ(marched.odd, expected.odd) << kernels->name << ", case " << repeat;
+        }
     }
 }
 
-TEST(SweepKernels, AdvanceIsBilinear)
+/// Cells on two rows of rays.
+struct LookupCase {
+    std::vector<std::int32_t> low, high, index, next;
+    std::vector<float> fraction;
+    LookupRow row{};
+
+    LookupCase(std::mt19937& random, int count, int step)
+    {
+        const int half = 4 * count + 8;
+        low = random_values<std::int32_t>(random, 2 * half, 0, 400000000);
+        high = random_values<std::int32_t>(random, 2 * half, 0, 400000000);
+        fraction = random_floats(random, count, 0.0F, 1.0F);
+        const int first = uniform(random, 0, 5);
+        for (int c = 0; c < count; ++c) {
+            const int ray = step != 0 ? first + 2 * step * c : uniform(random, 0, 2 * half - 2);
+            const auto stored = [&](int k) { return (k >> 1) + (k & 1) * half; };
+            index.push_back(stored(ray));
+            next.push_back(stored(ray + 1));
+            if (step != 0)
+                fraction[static_cast<std::size_t>(c)] = fraction[0];
+        }
+        row = {low.data(), high.data(), index.data(), next.data(), fraction.data(), 0.3F, step, count};
+        row.fraction_rows = random_floats(random, 1, 0.0F, 1.0F)[0];
+    }
+};
+
+TEST(SweepKernels, LookupsAreBilinear)
 {
-    const std::vector<std::uint8_t> low{10, 50, 255}, high{200, 0, 255};
-    std::vector<std::uint16_t> mixed(3);
-    std::vector<std::int32_t> tau(2, 0);
-    sweep_kernels_baseline.mix_rows(mixed.data(), low.data(), high.data(), 64, 3);
-    sweep_kernels_baseline.advance_rays(tau.data(), mixed.data(), 16384, 49152, 2);
-    EXPECT_NEAR(tau[0], 256.0 * (0.25 * (0.75 * 10 + 0.25 * 200) + 0.75 * 0.75 * 50), 2.0);
-    EXPECT_NEAR(tau[1], 256.0 * (0.25 * (0.75 * 50) + 0.75 * 255), 2.0);
+    std::mt19937 random(3);
+    for (const int step : {0, 1, 2, 3, 4})
+        for (const int count : awkward_counts()) {
+            const LookupCase lookup(random, count, step);
+            std::vector<float> expected(static_cast<std::size_t>(count));
+            for (std::size_t c = 0; c < expected.size(); ++c) {
+                const auto ray = [&](const std::vector<std::int32_t>& rays, const std::vector<std::int32_t>& at) {
+                    return static_cast<float>(rays[static_cast<std::size_t>(at[c])]);
+                };
+                const float f = lookup.fraction[c], g = lookup.row.fraction_rows;
+                const float below = ray(lookup.low, lookup.index) * (1.0F - f) + ray(lookup.low, lookup.next) * f;
+                const float above = ray(lookup.high, lookup.index) * (1.0F - f) + ray(lookup.high, lookup.next) * f;
+                expected[c] = below * (1.0F - g) + above * g;
+            }
+            for (const SweepKernels* kernels : runnable_kernels()) {
+                std::vector<float> tau(static_cast<std::size_t>(count), -1.0F);
+                kernels->look_up(tau.data(), lookup.row);
+                ASSERT_EQ(tau, expected) << kernels->name << ", step " << step << ", " << count << " cells";
+            }
+        }
 }
 
-TEST(SweepKernels, LookupIsTheExponential)
-{
-    const float length[2] = {1.0F, 1.0F}, fraction = 0.0F, enter = -1e9F, leave = 1e9F;
-    const std::int32_t ray = 0;
-    for (double depth = 0.0; depth < 100.0; depth += 0.37) {
-        const float tau[2] = {static_cast<float>(depth), 0.0F};
-        const LookupRow row{tau, length, &ray, &fraction, &enter, &leave, -1e9F, 1e9F, 1.0F, 1};
-        std::int32_t visibility = -1;
-        float scratch = 0.0F;
-        sweep_kernels_baseline.look_up(&visibility, row, 1.0F, &scratch);
-        EXPECT_NEAR(visibility, 65535.0 * std::exp(-depth), 0.6) << depth;
+/// What the box's sides do, in random order.
+struct SideCase {
+    static constexpr int slices = 50;
+    std::vector<float> begin_low, begin_high, end_low, end_high, enter, leave, fraction;
+    SideRow row{};
+
+    SideCase(std::mt19937& random, int count)
+    {
+        const auto whole_slices = [&](int low, int high) {
+            std::vector<float> list = random_values<float>(random, count, low, high);
+            for (float& weight : list)
+                weight *= 127.0F;
+            return list;
+        };
+        begin_low = whole_slices(0, 20);
+        begin_high = whole_slices(0, 20);
+        end_low = whole_slices(5, slices);
+        end_high = whole_slices(5, slices);
+        enter = random_floats(random, count, -1.0F, 20.0F);
+        leave = random_floats(random, count, 10.0F, 60.0F);
+        fraction = random_floats(random, count, 0.0F, 1.0F);
+        row.begin_low = begin_low.data();
+        row.begin_high = begin_high.data();
+        row.end_low = end_low.data();
+        row.end_high = end_high.data();
+        row.enter = enter.data();
+        row.leave = leave.data();
+        row.fraction = fraction.data();
+        for (int k = 0; k < 2; ++k) {
+            row.row_begin[k] = static_cast<float>(127 * uniform(random, 0, 20));
+            row.row_end[k] = static_cast<float>(127 * uniform(random, 10, slices));
+        }
+        row.row_enter = random_floats(random, 1, 0.0F, 10.0F)[0];
+        row.row_leave = random_floats(random, 1, 10.0F, 50.0F)[0];
+        row.fraction_rows = random_floats(random, 1, 0.0F, 1.0F)[0];
+        row.depth = random_floats(random, 1, 0.0F, 50.0F)[0];
+        row.weight = std::floor(row.depth * 127.0F);
+        row.count = count;
     }
+};
+
+TEST(SweepKernels, SideFactorsAreTheSameForEveryInstructionSet)
+{
+    std::mt19937 random(4);
+    for (int repeat = 0; repeat < 20; ++repeat)
+        for (const int count : awkward_counts()) {
+            const SideCase sides(random, count);
+            const auto factors = [&](const SweepKernels& kernels) {
+                std::vector<float> both(static_cast<std::size_t>(2 * count), -1.0F);
+                kernels.side_factors(both.data(), both.data() + count, sides.row);
+                return both;
+            };
+            const std::vector<float> expected = factors(sweep_kernels_baseline);
+            for (const SweepKernels* kernels : runnable_kernels())
+                ASSERT_EQ(factors(*kernels), expected) << kernels->name << ", " << count << " cells";
+        }
+}
+
+TEST(SweepKernels, SideFactorsAreLengthPerWeight)
+{
+    std::mt19937 random(5);
+    for (int repeat = 0; repeat < 40; ++repeat) {
+        const int count = 30;
+        const SideCase sides(random, count);
+        std::vector<float> forwards(count), backwards(count);
+        sweep_kernels_baseline.side_factors(forwards.data(), backwards.data(), sides.row);
+        for (std::size_t c = 0; c < forwards.size(); ++c) {
+            // The weight that each of the four rays has counted, interpolated as their sums are.
+            double until = 0.0, from = 0.0;
+            for (int k = 0; k < 4; ++k) {
+                const double f = k % 2 == 0 ? 1.0 - sides.fraction[c] : sides.fraction[c];
+                const double g = k < 2 ? 1.0 - sides.row.fraction_rows : sides.row.fraction_rows;
+                const double begin =
+                    std::max(k % 2 == 0 ? sides.begin_low[c] : sides.begin_high[c], sides.row.row_begin[k / 2]);
+                const double end =
+                    std::min(k % 2 == 0 ? sides.end_low[c] : sides.end_high[c], sides.row.row_end[k / 2]);
+                const double at = sides.row.weight;
+                until += f * g * std::max(0.0, std::min(end, at) - begin);
+                from += f * g * std::max(0.0, end - std::max(begin, at));
+            }
+            const double enter = std::max(sides.enter[c], sides.row.row_enter);
+            const double leave = std::min(sides.leave[c], sides.row.row_leave);
+            const double before = std::max(0.0, sides.row.depth - enter);
+            const double behind = std::max(0.0, leave - sides.row.depth);
+            EXPECT_NEAR(forwards[c], until > 0.0 ? before / until : 0.0, 1e-5 * forwards[c] + 1e-9);
+            EXPECT_NEAR(backwards[c], from > 0.0 ? behind / from : 0.0, 1e-5 * backwards[c] + 1e-9);
+        }
+    }
+}
+
+TEST(SweepKernels, FilterPieces)
+{
+    std::mt19937 random(7);
+    for (const int count : awkward_counts())
+        for (const int shift : {0, 1, 4, 7}) {
+            const auto a = random_values<std::uint16_t>(random, count, 0, 65535);
+            const auto b = random_values<std::uint16_t>(random, count, 0, whole_visibility);
+            const auto c = random_values<std::uint16_t>(random, count, 0, whole_visibility);
+            const auto scale_a = random_values<std::uint16_t>(random, count, 0, 65535);
+            const auto scale_b = random_values<std::uint16_t>(random, count, 0, 65535);
+            const std::size_t n = a.size();
+            std::vector<std::uint16_t> sum(n), slid(n), mean(n), row_mean(n);
+            std::vector<std::uint8_t> bytes(n);
+            for (std::size_t i = 0; i < n; ++i) {
+                const std::uint32_t ends = static_cast<std::uint32_t>((b[i] >> shift) + (c[i] >> shift));
+                const auto product = [](std::uint32_t x, std::uint32_t scale) { return (x * scale) >> 16; };
+                sum[i] = static_cast<std::uint16_t>(a[i] + b[i]);
+                slid[i] = static_cast<std::uint16_t>(a[i] + (b[i] >> shift) - (c[i] >> shift));
+                mean[i] = static_cast<std::uint16_t>(product(a[i], scale_a[i]) + product(ends, scale_b[i]));
+                row_mean[i] = static_cast<std::uint16_t>(product(a[i], scale_a[0]) + product(ends, scale_b[0]));
+                bytes[i] = static_cast<std::uint8_t>(std::lround(b[i] / 16.0));
+            }
+            for (const SweepKernels* kernels : runnable_kernels()) {
+                std::vector<std::uint16_t> out(n), sums = a;
+                std::vector<std::uint8_t> stored(n);
+                kernels->add(out.data(), a.data(), b.data(), count);
+                ASSERT_EQ(out, sum) << kernels->name;
+                kernels->slide(sums.data(), b.data(), c.data(), shift, count);
+                ASSERT_EQ(sums, slid) << kernels->name;
+                kernels->box_mean(out.data(), a.data(), b.data(), c.data(), shift, scale_a.data(), scale_b.data(),
+                                  count);
+                ASSERT_EQ(out, mean) << kernels->name;
+                kernels->box_mean_row(out.data(), a.data(), b.data(), c.data(), shift, scale_a[0], scale_b[0], count);
+                ASSERT_EQ(out, row_mean) << kernels->name;
+                kernels->store(stored.data(), b.data(), count);
+                ASSERT_EQ(stored, bytes) << kernels->name;
+            }
+        }
 }
 
 } // namespace

@@ -73,9 +73,10 @@ std::vector<SweepTask> plan(const MarchedLevel& level, const VisibilitySettings&
 /// One thread's working memory and what it did.
 class Worker {
 public:
-    Worker(const MarchedLevel& level, const VisibilitySettings& settings, const std::atomic<bool>* cancel)
-        : level_(level), lines_per_texel_(settings.oversampling), march_(level, sweep_kernels(), cancel),
-          visibility_(level, sweep_kernels(), std::tan(filter_angle(settings.filter, settings.directions)), cancel)
+    Worker(const SweepKernels& kernels, const MarchedLevel& level, const VisibilitySettings& settings,
+           const std::atomic<bool>* cancel)
+        : level_(level), lines_per_texel_(settings.oversampling), march_(level, kernels, cancel),
+          visibility_(level, kernels, std::tan(filter_angle(settings.filter, settings.directions)), cancel)
     {
     }
 
@@ -170,6 +171,13 @@ std::vector<std::vector<int>> sweep_groups(const ExtinctionGrid& extinction, con
 SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionGrid& extinction, const VisibilitySettings& settings,
                             std::span<const int> directions, const std::atomic<bool>* cancel)
 {
+    return sweep_visibility_with(sweep_kernels(), grid, extinction, settings, directions, cancel);
+}
+
+SweepStats sweep_visibility_with(const SweepKernels& kernels, VisibilityGrid& grid, const ExtinctionGrid& extinction,
+                                 const VisibilitySettings& settings, std::span<const int> directions,
+                                 const std::atomic<bool>* cancel)
+{
     const auto begin = std::chrono::steady_clock::now();
     const int level = sweep_mip_level(extinction.volume_size, settings.rays);
     check(grid, extinction, settings, directions, level);
@@ -182,7 +190,8 @@ SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionGrid& extincti
                         SweepGeometry(marched.size, marched.level_from_world, group.front().w_world).axis != 0,
                     "visibility sweep: a direction runs along x and needs the transposed layout (see "
                     "ExtinctionLayouts)");
-    tbb::enumerable_thread_specific<Worker> worker_of_thread([&] { return Worker(marched, settings, cancel); });
+    tbb::enumerable_thread_specific<Worker> worker_of_thread(
+        [&] { return Worker(kernels, marched, settings, cancel); });
     parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
         if (cancel != nullptr && cancel->load(std::memory_order_relaxed))
             return;

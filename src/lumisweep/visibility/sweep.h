@@ -12,6 +12,8 @@
 
 namespace lumisweep {
 
+struct SweepKernels;
+
 /// What a sweep cost.
 struct SweepStats {
     /// Processor time over all threads: pairs of voxel rows, march, lookup with exponential, filter.
@@ -35,5 +37,10 @@ std::vector<std::vector<int>> sweep_groups(const ExtinctionGrid& extinction, con
 /// *cancel becomes true, returns early: the directions not yet done keep their old V or have a part of the new.
 SweepStats sweep_visibility(VisibilityGrid& grid, const ExtinctionGrid& extinction, const VisibilitySettings& settings,
                             std::span<const int> directions = {}, const std::atomic<bool>* cancel = nullptr);
+
+/// Likewise with the given kernels (sweep_kernel.h) in place of the widest that this machine has.
+SweepStats sweep_visibility_with(const SweepKernels& kernels, VisibilityGrid& grid, const ExtinctionGrid& extinction,
+                                 const VisibilitySettings& settings, std::span<const int> directions = {},
+                                 const std::atomic<bool>* cancel = nullptr);
 
 } // namespace lumisweep

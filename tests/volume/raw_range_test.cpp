@@ -32,15 +32,19 @@ TEST(RawRange, IsExactForEveryVoxelType)
 TEST(RawRange, LeavesOutWhatIsNotFinite)
 {
     constexpr float inf = std::numeric_limits<float>::infinity();
-    ScalarGrid grid(VoxelType::f32, {2, 1, 3}, Affine3d{});
-    const float voxels[] = {-inf, inf, std::numeric_limits<float>::quiet_NaN(), 5.0F, 4.0F, inf};
-    std::copy(std::begin(voxels), std::end(voxels), grid.voxels<float>());
-    EXPECT_EQ(raw_range(grid).low, 4.0F);
-    EXPECT_EQ(raw_range(grid).high, 5.0F);
-    std::fill_n(grid.voxels<float>(), 6, inf);
-    EXPECT_TRUE(raw_range(grid).empty());
-    std::fill_n(grid.voxels<float>(), 6, std::numeric_limits<float>::quiet_NaN());
-    EXPECT_TRUE(raw_range(grid).empty());
+    for (const int side : {1, 50}) { // rests of vectors, and whole vectors
+        ScalarGrid grid(VoxelType::f32, {2, side, 3}, Affine3d{});
+        const float pattern[] = {-inf, inf, std::numeric_limits<float>::quiet_NaN(), -5.0F, -4.0F, inf};
+        const std::size_t count = grid.voxel_count();
+        for (std::size_t i = 0; i < count; ++i)
+            grid.voxels<float>()[i] = pattern[i % 6];
+        EXPECT_EQ(raw_range(grid).low, -5.0F);
+        EXPECT_EQ(raw_range(grid).high, -4.0F);
+        std::fill_n(grid.voxels<float>(), count, inf);
+        EXPECT_TRUE(raw_range(grid).empty());
+        std::fill_n(grid.voxels<float>(), count, std::numeric_limits<float>::quiet_NaN());
+        EXPECT_TRUE(raw_range(grid).empty());
+    }
     EXPECT_TRUE(raw_range(ScalarGrid{}).empty());
 }
 

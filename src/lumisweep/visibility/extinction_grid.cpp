@@ -3,82 +3,104 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 #include <vector>
 
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
+#include "lumisweep/visibility/classify_block.h"
+#include "lumisweep/visibility/dither.h"
 
 namespace lumisweep {
 namespace {
 
-// Stored extinction in 16.16 fixed point; adding 16 random bits before the shift rounds up as often as the fraction
-// says.
 constexpr double fixed_one = 65536.0;
-
-/// 16 bits that depend on nothing but the voxel's index, so that the result is the same for any number of threads.
-inline std::uint32_t dither_bits(std::uint32_t index)
-{
-    std::uint32_t h = index * 0x9e3779b1U;
-    h ^= h >> 15;
-    h *= 0x85ebca77U;
-    h ^= h >> 13;
-    h *= 0xc2b2ae3dU;
-    return h >> 16;
-}
 
 std::size_t count(Vec3i size)
 {
     return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
 }
 
-/// Stored extinction of a raw value in 16.16 fixed point.
-class FixedExtinction {
-public:
-    FixedExtinction(const ScalarGrid& volume, const RawRange& range, const TransferFunction& tf)
-        : volume_(volume), tf_(tf)
-    {
-        if (range.empty())
-            return;
-        const double a = value(range.low), b = value(range.high);
-        scale_ = tf.max_extinction(std::min(a, b), std::max(a, b)) / 255.0;
-        if (volume.type() == VoxelType::f32 || !(scale_ > 0.0))
-            return;
-        low_ = static_cast<int>(range.low);
-        for (int raw = low_; raw <= static_cast<int>(range.high); ++raw)
-            table_.push_back(evaluate(raw));
+/// The largest extinction that the transfer function has within the volume's range, of which 255 steps are.
+double largest_extinction(const ScalarGrid& volume, const RawRange& range, const TransferFunction& tf)
+{
+    if (range.empty())
+        return 0.0;
+    const double a = volume.slope() * range.low + volume.intercept();
+    const double b = volume.slope() * range.high + volume.intercept();
+    return tf.max_extinction(std::min(a, b), std::max(a, b));
+}
+
+/// Sets job.table (which `memory` owns): steps of every raw value that occurs.
+void make_table(ClassifyJob& job, std::vector<std::int32_t>& memory, const ScalarGrid& volume, const RawRange& range,
+                const TransferFunction& tf, double scale)
+{
+    constexpr int offset = 1 << 15; // the lowest raw value of all types is −offset, the highest 2 · offset − 1
+    memory.assign(3 * offset, 0);
+    std::int32_t* table = memory.data() + offset;
+    const int first = static_cast<int>(range.low), end = static_cast<int>(range.high) + 1;
+    parallel_for(
+        first, end,
+        [&](int raw) {
+            const double steps = tf.evaluate(volume.slope() * raw + volume.intercept()).extinction / scale;
+            table[raw] = static_cast<std::int32_t>(std::lround(std::min(steps, 255.0) * fixed_one));
+        },
+        1024);
+    job.table = table;
+    // The longest run of zeros.
+    job.empty_first = first;
+    job.empty_last = first - 1;
+    for (int raw = first, run = first; raw < end; ++raw)
+        if (table[raw] != 0) {
+            run = raw + 1;
+        } else if (raw - run > job.empty_last - job.empty_first) {
+            job.empty_first = run;
+            job.empty_last = raw;
+        }
+}
+
+/// Sets what float voxels need. The empty values are the widest run of segments that are 0 all over.
+void use_segments(ClassifyJob& job, const ScalarGrid& volume, const TransferFunction& tf, double scale)
+{
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    job.tf = tf.view(volume.slope(), volume.intercept());
+    job.steps_of_one = static_cast<float>(std::min(fixed_one / scale, double{std::numeric_limits<float>::max()}));
+    const float *knot = job.tf.table, *extinction = knot + job.tf.stride, *slope = extinction + job.tf.stride;
+    const int segments = job.tf.stride - 1;
+    job.empty_first_value = job.empty_end_value = infinity;
+    float begin = -infinity;
+    for (int s = 0; s < segments; ++s) {
+        const float end = knot[s + 1];
+        if (extinction[s] != 0.0F || slope[s] != 0.0F)
+            begin = end;
+        else if (end - begin > job.empty_end_value - job.empty_first_value || job.empty_first_value == infinity) {
+            job.empty_first_value = begin;
+            job.empty_end_value = end;
+        }
     }
+}
 
-    double scale() const { return scale_; }
-
-    template <class T>
-    std::uint32_t operator()(T raw) const
-    {
-        if constexpr (std::is_same_v<T, float>)
-            return std::isfinite(raw) ? evaluate(static_cast<double>(raw)) : 0;
-        else
-            return table_[static_cast<std::size_t>(static_cast<int>(raw) - low_)];
-    }
-
-private:
-    double value(double raw) const { return volume_.slope() * raw + volume_.intercept(); }
-    std::uint32_t evaluate(double raw) const
-    {
-        const double steps = std::min(tf_.evaluate(value(raw)).extinction / scale_, 255.0);
-        return static_cast<std::uint32_t>(std::lround(steps * fixed_one));
-    }
-
-    const ScalarGrid& volume_;
-    const TransferFunction& tf_;
-    double scale_ = 0.0;
-    int low_ = 0;
-    std::vector<std::uint32_t> table_;
-};
+void classify_blocks(ClassifyBlock block, const ClassifyJob& job)
+{
+    // A row of finest voxels in whole vectors or in whole level voxels (halved twice at most).
+    const int row = std::max((job.volume_size.x + 15) / 16 * 16, job.size.x << std::min(job.mip_level, 2));
+    const int blocks = (job.size.y + classify_block_rows - 1) / classify_block_rows;
+    parallel_for(0, job.size.z * blocks, [&](int task) {
+        AlignedArray<std::int32_t> steps(2 * static_cast<std::size_t>(row));
+        AlignedArray<std::uint64_t> sums(static_cast<std::size_t>(job.size.x));
+        block(job, task / blocks, task % blocks * classify_block_rows, {steps.data(), sums.data()});
+    });
+}
 
 } // namespace
 
 ExtinctionGrid classify(const ScalarGrid& volume, const RawRange& range, const TransferFunction& transfer_function,
                         int mip_level, ExtinctionLayouts layouts)
+{
+    return classify_with(widest_classify_block(), volume, range, transfer_function, mip_level, layouts);
+}
+
+ExtinctionGrid classify_with(ClassifyBlock block, const ScalarGrid& volume, const RawRange& range,
+                             const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts)
 {
     require(mip_level >= 0 && mip_level <= 13, "classify: mip level {} (use 0 to 13)", mip_level);
     ExtinctionGrid grid;
@@ -87,39 +109,31 @@ ExtinctionGrid classify(const ScalarGrid& volume, const RawRange& range, const T
     grid.mip_level = mip_level;
     const auto level_side = [&](int side) { return (side + (1 << mip_level) - 1) >> mip_level; };
     grid.size = {level_side(volume.size().x), level_side(volume.size().y), level_side(volume.size().z)};
-    grid.stored = AlignedArray<std::uint8_t>(count(grid.size));
-    if (layouts == ExtinctionLayouts::with_transposed)
-        grid.transposed = AlignedArray<std::uint8_t>(count(grid.size));
-    const FixedExtinction fixed(volume, range, transfer_function);
-    grid.scale = static_cast<float>(fixed.scale());
+    const double scale = largest_extinction(volume, range, transfer_function) / 255.0;
+    grid.scale = static_cast<float>(scale);
+    const bool transposed = layouts == ExtinctionLayouts::with_transposed;
+    const Contents contents = grid.scale > 0.0F ? Contents::uninitialised : Contents::zeros;
+    grid.stored = AlignedArray<std::uint8_t>(count(grid.size), contents);
+    if (transposed)
+        grid.transposed = AlignedArray<std::uint8_t>(count(grid.size), contents);
     if (!(grid.scale > 0.0F))
         return grid;
 
-    const std::size_t nx = static_cast<std::size_t>(grid.size.x), ny = static_cast<std::size_t>(grid.size.y);
-    const std::size_t nz = static_cast<std::size_t>(grid.size.z);
-    visit_voxels(volume, [&](const auto* voxels) {
-        parallel_for(std::size_t{0}, ny * nz, [&](std::size_t row) {
-            const int j = static_cast<int>(row % ny), k = static_cast<int>(row / ny), n = volume.size().x;
-            std::vector<std::uint64_t> sums(nx, 0);
-            for (int z = k << mip_level; z < std::min((k + 1) << mip_level, volume.size().z); ++z)
-                for (int y = j << mip_level; y < std::min((j + 1) << mip_level, volume.size().y); ++y) {
-                    const auto* line =
-                        voxels + (static_cast<std::size_t>(z) * static_cast<std::size_t>(volume.size().y) +
-                                  static_cast<std::size_t>(y)) *
-                                     static_cast<std::size_t>(n);
-                    for (int x = 0; x < n; ++x)
-                        sums[static_cast<std::size_t>(x >> mip_level)] += fixed(line[x]);
-                }
-            for (std::size_t i = 0; i < nx; ++i) {
-                const auto mean = static_cast<std::uint32_t>(sums[i] >> (3 * mip_level));
-                const auto stored =
-                    static_cast<std::uint8_t>((mean + dither_bits(static_cast<std::uint32_t>(row * nx + i))) >> 16);
-                grid.stored[row * nx + i] = stored;
-                if (!grid.transposed.empty())
-                    grid.transposed[(i * nz + static_cast<std::size_t>(k)) * ny + static_cast<std::size_t>(j)] = stored;
-            }
-        });
-    });
+    std::vector<std::int32_t> table;
+    ClassifyJob job{};
+    job.voxels = volume.data();
+    job.type = volume.type();
+    job.volume_size = volume.size();
+    job.mip_level = mip_level;
+    if (volume.type() == VoxelType::f32)
+        use_segments(job, volume, transfer_function, scale);
+    else
+        make_table(job, table, volume, range, transfer_function, scale);
+    job.dither = dither_numbers();
+    job.size = grid.size;
+    job.stored = grid.stored.data();
+    job.transposed = transposed ? grid.transposed.data() : nullptr;
+    classify_blocks(block, job);
     return grid;
 }
 

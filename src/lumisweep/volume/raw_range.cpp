@@ -1,6 +1,7 @@
 #include "lumisweep/volume/raw_range.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <type_traits>
 #include <vector>
@@ -10,24 +11,30 @@
 namespace lumisweep {
 namespace {
 
-/// In the voxels' own type, so that the compiler can take a whole vector at once.
+/// Several independent minima and maxima, so that the compiler can use whole vectors.
 template <class T>
 RawRange range_of(const T* voxels, std::size_t count)
 {
-    T low = std::numeric_limits<T>::max(), high = std::numeric_limits<T>::lowest();
-    for (std::size_t i = 0; i < count; ++i) {
-        const T v = voxels[i];
-        if constexpr (std::is_same_v<T, float>) {
-            // Comparisons are false for NaN.
-            constexpr float largest = std::numeric_limits<float>::max();
-            low = v < low && v >= -largest ? v : low;
-            high = v > high && v <= largest ? v : high;
-        } else {
-            low = v < low ? v : low;
-            high = v > high ? v : high;
-        }
-    }
-    return {static_cast<float>(low), static_cast<float>(high)};
+    constexpr std::size_t lanes = 64 / sizeof(T);
+    T low[lanes], high[lanes];
+    std::fill_n(low, lanes, std::numeric_limits<T>::max());
+    std::fill_n(high, lanes, std::numeric_limits<T>::lowest());
+    const auto take = [&](std::size_t lane, T v) {
+        bool finite = true;
+        if constexpr (std::is_same_v<T, float>)
+            finite = std::fabs(v) <= std::numeric_limits<float>::max(); // false for NaN
+        const T l = finite ? v : low[lane], h = finite ? v : high[lane];
+        low[lane] = l < low[lane] ? l : low[lane];
+        high[lane] = h > high[lane] ? h : high[lane];
+    };
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes)
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+            take(lane, voxels[i + lane]);
+    for (; i < count; ++i)
+        take(0, voxels[i]);
+    return {static_cast<float>(*std::min_element(low, low + lanes)),
+            static_cast<float>(*std::max_element(high, high + lanes))};
 }
 
 } // namespace

@@ -1,0 +1,62 @@
+// The inner loops of classification, compiled once per instruction set (classify_block_*.cpp). Nothing is fused or
+// reassociated, so every instruction set gives the same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "lumisweep/math/vec.h"
+#include "lumisweep/volume/scalar_grid.h"
+#include "lumisweep/volume/transfer_function_view.h"
+
+namespace lumisweep {
+
+struct ExtinctionGrid; // visibility/extinction_grid.h
+struct RawRange;       // volume/raw_range.h
+class TransferFunction;
+enum class ExtinctionLayouts;
+
+/// Rows of a block: a line of the transposed layout is then 64 bytes, a cache line.
+inline constexpr int classify_block_rows = 64;
+
+/// What all blocks share. Extinction counts in stored steps, in 16.16 fixed point until it is dithered; all of 255.
+struct ClassifyJob {
+    const void* voxels;
+    VoxelType type;
+    Vec3i volume_size; ///< finest voxels
+    int mip_level;
+    /// u8, u16, i16: steps at table[raw] (raw may be negative), and raw values [empty_first, empty_last] where they are
+    /// 0.
+    const std::int32_t* table;
+    std::int32_t empty_first, empty_last;
+    /// f32: steps are steps_of_one · extinction; 0 where empty_first_value ≤ value < empty_end_value (data units).
+    TransferFunctionView tf;
+    float steps_of_one, empty_first_value, empty_end_value;
+    const std::uint16_t* dither; ///< dither_numbers()
+    Vec3i size;                  ///< level voxels
+    std::uint8_t* stored;        ///< [z][y][x]
+    std::uint8_t* transposed;    ///< [x][z][y], or null
+};
+
+/// Working memory of a task. What it holds before does not matter.
+struct ClassifyScratch {
+    std::int32_t* steps; ///< [2][finest voxels along x, rounded up to 16 and to a whole level voxel]
+    std::uint64_t* sums; ///< [level voxels along x]
+};
+
+/// Classifies rows first_row … first_row + 63 of level slice `slice`, as far as there are.
+using ClassifyBlock = void (*)(const ClassifyJob& job, int slice, int first_row, const ClassifyScratch& scratch);
+
+void classify_block_baseline(const ClassifyJob& job, int slice, int first_row, const ClassifyScratch& scratch);
+#if defined(__x86_64__)
+void classify_block_avx2(const ClassifyJob& job, int slice, int first_row, const ClassifyScratch& scratch);
+void classify_block_avx512(const ClassifyJob& job, int slice, int first_row, const ClassifyScratch& scratch);
+#endif
+
+/// The widest instruction set of this machine.
+ClassifyBlock widest_classify_block();
+
+/// classify() with the given loops.
+ExtinctionGrid classify_with(ClassifyBlock block, const ScalarGrid& volume, const RawRange& range,
+                             const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts);
+
+} // namespace lumisweep

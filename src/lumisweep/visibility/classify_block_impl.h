@@ -1,0 +1,266 @@
+// Body of classify_block.h over the lane type F, included by one file per instruction set. That file gives
+// ClassifyLanes<F> and may give a FloatSteps<F> of its own.
+#pragma once
+
+#include "lumisweep/math/lanes.h"
+#include "lumisweep/visibility/classify_block.h"
+#include "lumisweep/visibility/dither.h"
+#include "lumisweep/visibility/transpose_block.h"
+
+namespace lumisweep {
+namespace {
+
+/// widened(raw): voxels of 8 or 16 bits as int_of<F>.
+/// transpose_64(…): transposes 64 × 64 bytes.
+template <class F>
+struct ClassifyLanes;
+
+/// Steps of voxels of 8 and 16 bits. empty(): certainly all 0, found out at less cost.
+template <class F>
+class TableSteps {
+public:
+    explicit TableSteps(const ClassifyJob& job)
+        : table_(job.table), empty_first_(job.empty_first), empty_last_(job.empty_last)
+    {
+    }
+    template <class T>
+    LUMISWEEP_HD int_of<F> load_raw(const T* raw) const
+    {
+        return ClassifyLanes<F>::widened(raw);
+    }
+    LUMISWEEP_HD bool empty(const int_of<F>& raw) const { return !any((raw < empty_first_) | (raw > empty_last_)); }
+    LUMISWEEP_HD int_of<F> operator()(const int_of<F>& raw) const { return gather(table_, raw); }
+
+private:
+    const std::int32_t* table_;
+    int_of<F> empty_first_, empty_last_;
+};
+
+/// The renderer's search for the segment, for any number of points.
+template <class F>
+struct GatheredSegments {
+    explicit GatheredSegments(const TransferFunctionView& view) : tf(view) {}
+    LUMISWEEP_HD F extinction(const F& value) const
+    {
+        const TransferSegment<F> s = find_segment(tf, value);
+        return s.offset * gather(tf.table + 2 * tf.stride, s.index) + gather(tf.table + tf.stride, s.index);
+    }
+    const TransferFunctionView& tf;
+};
+
+/// Steps of float voxels.
+template <class F, class Segments>
+class FloatSteps {
+public:
+    explicit FloatSteps(const ClassifyJob& job)
+        : segments_(job.tf), slope_(job.tf.slope), intercept_(job.tf.intercept), steps_of_one_(job.steps_of_one),
+          empty_first_(job.empty_first_value), empty_end_(job.empty_end_value)
+    {
+    }
+    LUMISWEEP_HD F load_raw(const float* raw) const { return load<F>(raw) * slope_ + intercept_; }
+    LUMISWEEP_HD bool empty(const F& value) const { return all((value >= empty_first_) & (value < empty_end_)); }
+    LUMISWEEP_HD int_of<F> operator()(const F& value) const
+    {
+        const F steps = min(max(segments_.extinction(value) * steps_of_one_, F(0.0F)), F(255.0F * 65536.0F));
+        constexpr float largest = 3.40282347e38F; // what lies beyond, and NaN, is empty
+        return to_int(select(abs(value) <= F(largest), steps, F(0.0F)) + F(0.5F));
+    }
+
+private:
+    Segments segments_;
+    F slope_, intercept_, steps_of_one_, empty_first_, empty_end_;
+};
+
+enum class Sum { first, further };
+
+/// Takes whole vectors: reads less than a vector of voxels behind the row's end (the row behind it, or padding).
+template <class F, Sum sum, class Steps, class T>
+LUMISWEEP_HD void add_row(const Steps& steps_of, const T* raw, int count, std::int32_t* steps)
+{
+    // Far enough for the memory's latency; the processor's own prefetching stops at every page of 4 KB.
+    constexpr int bytes_ahead = 4096, line = 64 / static_cast<int>(sizeof(T));
+    for (int i = 0; i < count; i += lane_width<F>) {
+        if (i % line == 0)
+            __builtin_prefetch(reinterpret_cast<const char*>(raw + i) + bytes_ahead);
+        const auto v = steps_of.load_raw(raw + i);
+        if (steps_of.empty(v)) {
+            if constexpr (sum == Sum::first)
+                store(steps + i, int_of<F>(0));
+        } else if constexpr (sum == Sum::first) {
+            store(steps + i, steps_of(v));
+        } else {
+            store(steps + i, steps_of(v) + load<F>(steps + i));
+        }
+    }
+}
+
+LUMISWEEP_HD int smaller(int a, int b) { return a < b ? a : b; }
+
+/// Rounds up as often as the fraction says.
+LUMISWEEP_HD void dither_row(const ClassifyJob& job, std::size_t row, const std::int32_t* __restrict steps)
+{
+    std::uint8_t* __restrict stored = job.stored + row * static_cast<std::size_t>(job.size.x);
+    for (int first = 0; first < job.size.x; first += dither_run) {
+        const std::uint16_t* __restrict random =
+            job.dither + dither_start(static_cast<std::uint32_t>(row), static_cast<std::uint32_t>(first / dither_run));
+        const auto dither = [&](int count) {
+            for (int i = 0; i < count; ++i)
+                stored[first + i] = static_cast<std::uint8_t>((steps[first + i] + random[i]) >> 16);
+        };
+        if (first + dither_run <= job.size.x)
+            dither(dither_run);
+        else
+            dither(job.size.x - first);
+    }
+}
+
+/// Sums rows of finest voxels into one of level voxels' means.
+template <class F, class Steps, class T>
+class MeanRow {
+public:
+    MeanRow(const ClassifyJob& job, const Steps& steps_of, const T* voxels, const ClassifyScratch& scratch)
+        : job_(job), steps_of_(steps_of), voxels_(voxels), scratch_(scratch)
+    {
+    }
+
+    /// The means, in 16.16 fixed point.
+    const std::int32_t* operator()(int slice, int row)
+    {
+        const int level = job_.mip_level;
+        const int end_z = smaller((slice + 1) << level, job_.volume_size.z);
+        const int end_y = smaller((row + 1) << level, job_.volume_size.y);
+        for (int i = 0; level > 2 && i < job_.size.x; ++i)
+            scratch_.sums[i] = 0;
+        int rows = 0;
+        for (int z = slice << level; z < end_z; ++z)
+            for (int y = row << level; y < end_y; ++y) {
+                add(z, y, rows == 0);
+                // 256 rows of less than 2^24 fit into 32 bits.
+                if (++rows == 256) {
+                    widen();
+                    rows = 0;
+                }
+            }
+        if (level <= 2)
+            return narrow_mean(level);
+        if (rows > 0)
+            widen();
+        return wide_mean(3 * level);
+    }
+
+private:
+    void add(int z, int y, bool first)
+    {
+        const T* raw = voxels_ + (static_cast<std::size_t>(z) * static_cast<std::size_t>(job_.volume_size.y) +
+                                  static_cast<std::size_t>(y)) *
+                                     static_cast<std::size_t>(job_.volume_size.x);
+        if (first)
+            add_row<F, Sum::first>(steps_of_, raw, job_.volume_size.x, scratch_.steps);
+        else
+            add_row<F, Sum::further>(steps_of_, raw, job_.volume_size.x, scratch_.steps);
+    }
+
+    /// Halves the row `level` times; sums of 4³ voxels fit into 32 bits.
+    const std::int32_t* narrow_mean(int level)
+    {
+        int count = job_.size.x << level;
+        for (int x = job_.volume_size.x; x < count; ++x)
+            scratch_.steps[x] = 0;
+        const std::int32_t* from = scratch_.steps;
+        std::int32_t* to = scratch_.steps + count;
+        for (int halved = 1; halved <= level; ++halved) {
+            count /= 2;
+            const int round = halved == level ? 1 << (3 * level - 1) : 0, shift = halved == level ? 3 * level : 0;
+            halve(from, to, count, round, shift);
+            from = to;
+            to += count;
+        }
+        return from;
+    }
+
+    static void halve(const std::int32_t* __restrict from, std::int32_t* __restrict to, int count, int round, int shift)
+    {
+        for (int i = 0; i < count; ++i)
+            to[i] = (from[2 * i] + from[2 * i + 1] + round) >> shift;
+    }
+
+    void widen()
+    {
+        for (int i = 0; i < job_.size.x; ++i) {
+            const int end = smaller((i + 1) << job_.mip_level, job_.volume_size.x);
+            for (int x = i << job_.mip_level; x < end; ++x)
+                scratch_.sums[i] += static_cast<std::uint32_t>(scratch_.steps[x]);
+        }
+    }
+
+    const std::int32_t* wide_mean(int shift)
+    {
+        for (int i = 0; i < job_.size.x; ++i)
+            scratch_.steps[i] =
+                static_cast<std::int32_t>((scratch_.sums[i] + (std::uint64_t{1} << (shift - 1))) >> shift);
+        return scratch_.steps;
+    }
+
+    const ClassifyJob& job_;
+    const Steps& steps_of_;
+    const T* voxels_;
+    const ClassifyScratch& scratch_;
+};
+
+template <class F, class Steps, class T>
+void classify_rows(const ClassifyJob& job, const T* voxels, int slice, int first_row, int end_row,
+                   const ClassifyScratch& scratch)
+{
+    const Steps steps_of(job);
+    MeanRow<F, Steps, T> mean(job, steps_of, voxels, scratch);
+    for (int j = first_row; j < end_row; ++j) {
+        const std::size_t row =
+            static_cast<std::size_t>(slice) * static_cast<std::size_t>(job.size.y) + static_cast<std::size_t>(j);
+        if (job.mip_level == 0) {
+            add_row<F, Sum::first>(steps_of, voxels + row * static_cast<std::size_t>(job.size.x), job.size.x,
+                                   scratch.steps);
+            dither_row(job, row, scratch.steps);
+        } else {
+            dither_row(job, row, mean(slice, j));
+        }
+    }
+}
+
+template <class F>
+void transpose_rows(const ClassifyJob& job, int slice, int first_row, int end_row)
+{
+    const std::size_t nx = static_cast<std::size_t>(job.size.x), ny = static_cast<std::size_t>(job.size.y);
+    const std::size_t stride = static_cast<std::size_t>(job.size.z) * ny;
+    const std::size_t rows = static_cast<std::size_t>(end_row - first_row);
+    const std::size_t first = static_cast<std::size_t>(slice) * ny + static_cast<std::size_t>(first_row);
+    const std::uint8_t* from = job.stored + first * nx;
+    std::uint8_t* to = job.transposed + first;
+    std::size_t x = 0;
+    for (; rows == 64 && x + 64 <= nx; x += 64)
+        ClassifyLanes<F>::transpose_64(from + x, nx, to + x * stride, stride);
+    transpose(from + x, nx, to + x * stride, stride, nx - x, rows);
+}
+
+template <class F, class FloatSegments>
+void classify_block_lanes(const ClassifyJob& job, int slice, int first_row, const ClassifyScratch& scratch)
+{
+    const int end_row = smaller(first_row + classify_block_rows, job.size.y);
+    const auto rows_of = [&]<class Steps, class T>(const T* voxels) {
+        classify_rows<F, Steps>(job, voxels, slice, first_row, end_row, scratch);
+    };
+    switch (job.type) {
+    case VoxelType::u8: rows_of.template operator()<TableSteps<F>>(static_cast<const std::uint8_t*>(job.voxels)); break;
+    case VoxelType::u16:
+        rows_of.template operator()<TableSteps<F>>(static_cast<const std::uint16_t*>(job.voxels));
+        break;
+    case VoxelType::i16:
+        rows_of.template operator()<TableSteps<F>>(static_cast<const std::int16_t*>(job.voxels));
+        break;
+    default: rows_of.template operator()<FloatSteps<F, FloatSegments>>(static_cast<const float*>(job.voxels)); break;
+    }
+    if (job.transposed != nullptr)
+        transpose_rows<F>(job, slice, first_row, end_row);
+}
+
+} // namespace
+} // namespace lumisweep

@@ -27,6 +27,8 @@ struct SessionStats {
     double bounds_s = 0.0, majorants_s = 0.0, classify_s = 0.0, sweep_s = 0.0, joint_s = 0.0, render_s = 0.0;
     PassCounts counts;
     SweepStats last_sweep;
+    /// How often each was begun: an edit of the light, of the strategy or of epsilon shall not classify or sweep.
+    int classifications = 0, sweeps = 0, joint_builds = 0;
     std::uint64_t volume_bytes = 0, visibility_bytes = 0, joint_bytes = 0, environment_bytes = 0, film_bytes = 0,
                   majorant_bytes = 0;
 };
@@ -40,6 +42,16 @@ struct SessionInput {
     ImageSettings image;
     RenderSettings render;
     VisibilitySettings visibility;
+};
+
+/// When the sweeps of an edit are done. V only chooses directions, so the image's mean is right in both.
+enum class SweepMode {
+    /// The next pass waits for them. Images are the same to the bit, whatever the threads.
+    before_pass,
+    /// Passes go on at once, with the visibility that is there (all visible at first), while a thread beside them
+    /// classifies and sweeps; every few passes take up the directions that have been published. An edit cancels the
+    /// sweep that runs. Single images depend on the timing, within their noise.
+    in_background,
 };
 
 class Session {
@@ -58,11 +70,16 @@ public:
     void set_image(const ImageSettings& image);
     void set_render(const RenderSettings& render);
     void set_visibility(const VisibilitySettings& visibility);
+    /// `background_threads` is the concurrency of the task arena that background sweeps have of their own; 0 takes half
+    /// of the machine's. Throws Error when the memory for it is not there. What a background sweep throws reaches the
+    /// caller of the next render_pass() or prepare(), unless an edit has made that sweep useless.
+    void set_sweep_mode(SweepMode mode, int background_threads = 0);
     /// Replaces the visibility grid by one of the same shape; the mean image does not depend on it (the poisoned-cache
     /// test).
     void replace_visibility(VisibilityGrid grid);
 
-    /// Brings everything but the film up to date: majorants, sweeps, joint grid. render_pass() does it by itself.
+    /// Brings everything but the film up to date: majorants, sweeps, joint grid; waits for a background sweep. Passes
+    /// do it by themselves before they begin (before_pass), or bit by bit. When *cancel becomes true it returns early.
     void prepare(const std::atomic<bool>* cancel = nullptr);
     /// Adds one sample to every pixel. Returns cancelled, with the film as it was before, when *cancel became true.
     PassEnd render_pass(const std::atomic<bool>* cancel = nullptr);
@@ -70,15 +87,20 @@ public:
     const Film& film() const;
     /// For resuming from a checkpoint: puts the film's sums and sample count back. Sizes must match.
     void restore_film(Film film);
+    /// What the joint grid was last made from; good until the next call of anything but a getter, and while no
+    /// background sweep runs (after prepare()). Empty before the first sweep.
     const VisibilityGrid& visibility() const;
+    /// A background sweep is under way or about to be taken up.
+    bool sweeping() const;
     const SessionInput& input() const;
     const SessionStats& stats() const;
     const Backend& backend() const;
 
     /// Bytes that preparing, rendering and writing the image will take beyond the volume and the environment
-    /// themselves.
+    /// themselves; sweeps with the present arena's threads, or `background_threads` beside rendering.
     static std::uint64_t memory_needed(const Vec3i& volume_size, const ImageSettings& image, Strategy strategy,
-                                       const VisibilitySettings& visibility);
+                                       const VisibilitySettings& visibility, SweepMode mode = SweepMode::before_pass,
+                                       int background_threads = 1);
 
 private:
     struct State;

@@ -17,6 +17,7 @@ struct VisibilitySettings {
 
     /// Throws Error naming the entry ("visibility.cell") that is out of range.
     void validate() const;
+    bool operator==(const VisibilitySettings&) const = default;
 };
 
 } // namespace lumisweep

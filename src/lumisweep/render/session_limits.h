@@ -1,0 +1,14 @@
+// What a session refuses before it takes any memory.
+#pragma once
+
+#include "lumisweep/render/session.h"
+
+namespace lumisweep {
+
+/// Throws Error unless the medium's free flights are long enough to be tracked.
+void validate_extinction(const ScalarGrid& volume, const TransferFunction& transfer_function);
+
+/// Throws Error unless all of it makes sense and the memory that is left can hold what it needs.
+void validate_with_memory(const SessionInput& input, SweepMode mode, int background_threads);
+
+} // namespace lumisweep

@@ -1,0 +1,202 @@
+#include "lumisweep/render/session_state.h"
+
+#include <algorithm>
+
+#include "lumisweep/base/memory.h"
+#include "lumisweep/base/stopwatch.h"
+#include "lumisweep/render/camera.h"
+#include "lumisweep/visibility/sweep_memory.h"
+
+namespace lumisweep {
+
+namespace {
+
+Linear3f linear(const Affine3d& a) { return {to_float(a.column[0]), to_float(a.column[1]), to_float(a.column[2])}; }
+
+} // namespace
+
+Strategy Session::State::strategy() const
+{
+    // A black environment has no luminance to sample by; every strategy gives black, so the simplest will do.
+    return input.environment->mean_luminance() > 0.0 ? input.render.strategy : Strategy::uniform;
+}
+
+bool Session::State::needs_joint() const
+{
+    return strategy() != Strategy::uniform && strategy() != Strategy::environment;
+}
+
+void Session::State::resize_film()
+{
+    if (film.width() == input.image.width && film.height() == input.image.height) {
+        film.clear();
+        return;
+    }
+    film = Film(input.image.width, input.image.height);
+    const std::size_t pixels =
+        static_cast<std::size_t>(input.image.width) * static_cast<std::size_t>(input.image.height);
+    sample_color = AlignedArray<float>(pixels * 3);
+    sample_features = AlignedArray<float>(pixels * Film::feature_count);
+    stats.film_bytes = Film::bytes_needed(input.image.width, input.image.height);
+}
+
+void Session::State::use_environment()
+{
+    light = input.environment;
+    if (light->resolution() < input.visibility.directions)
+        light = std::make_shared<Environment>(light->refined(input.visibility.directions));
+    stats.environment_bytes = light->bytes();
+}
+
+SceneView Session::State::view() const
+{
+    const ScalarGrid& volume = *input.volume;
+    SceneView view;
+    view.voxel_type = volume.type();
+    view.voxels = volume.data();
+    view.size = volume.size();
+    view.voxel_from_world = linear(volume.voxel_from_world());
+    view.world_from_voxel = linear(volume.world_from_voxel());
+    view.transfer_function = input.transfer_function.view(volume.slope(), volume.intercept());
+    view.majorants = majorants.view();
+    view.directions.strategy = strategy();
+    view.directions.environment = light->view();
+    view.directions.joint = joint.view();
+    view.camera = camera_view(input.camera, input.image, volume);
+    view.background = input.image.show_environment ? BackgroundLight::shown : BackgroundLight::hidden;
+    view.seed = input.render.seed;
+    return view;
+}
+
+void Session::State::update_majorants()
+{
+    if (stale_bounds) {
+        const Stopwatch watch(stats.bounds_s);
+        bounds = BoundsGrid(*input.volume);
+        raw_range = lumisweep::raw_range(*input.volume);
+        stale_bounds = false;
+    }
+    if (stale_majorants) {
+        const Stopwatch watch(stats.majorants_s);
+        majorants = MajorantGrid(bounds, input.transfer_function);
+        stats.majorant_bytes = majorants.bytes() + bounds.bytes();
+        stale_majorants = false;
+    }
+}
+
+void Session::State::fit_visibility()
+{
+    const VisibilitySettings& settings = input.visibility;
+    const Vec3i& size = input.volume->size();
+    if (visibility && visibility->last_read().cells() == VisibilityGrid::cells_of(size, settings.cell) &&
+        visibility->last_read().directions_per_side() == settings.directions)
+        return;
+    background.stop();
+    visibility.reset(); // the old one first
+    use_visibility(VisibilityGrid(size, settings.cell, settings.directions));
+}
+
+void Session::State::use_visibility(VisibilityGrid grid)
+{
+    background.stop();
+    const int spare = LiveVisibility::spare_slots(grid.directions_per_side(), background_threads);
+    visibility = std::make_unique<LiveVisibility>(std::move(grid), spare);
+    stats.visibility_bytes = visibility->bytes();
+    stale_joint = true;
+}
+
+void Session::State::rethrow()
+{
+    try {
+        background.rethrow();
+    } catch (...) {
+        sweeping = false;
+        throw;
+    }
+}
+
+bool Session::State::sweep_now(const std::atomic<bool>* cancel)
+{
+    drop_sweep();
+    background.stop();
+    const VisibilitySettings& settings = input.visibility;
+    const Vec3i& size = input.volume->size();
+    // A joint grid that stays is rebuilt in place, which saves its allocation; where memory is short, sweeps need it.
+    if (joint.bytes() > 0 && available_memory() / 2 < extinction_bytes(size, settings)) {
+        joint = JointGrid();
+        stale_joint = true;
+    }
+    ExtinctionGrid extinction;
+    {
+        const Stopwatch watch(stats.classify_s);
+        extinction = classify(*input.volume, raw_range, input.transfer_function, sweep_mip_level(size, settings.rays));
+        ++stats.classifications;
+    }
+    const Stopwatch watch(stats.sweep_s);
+    fit_visibility();
+    stats.last_sweep = sweep_visibility(visibility->settled(), extinction, settings, {}, cancel);
+    ++stats.sweeps;
+    stats.visibility_bytes = visibility->bytes();
+    if (cancel != nullptr && cancel->load())
+        return false;
+    stale_visibility = false;
+    stale_joint = true;
+    return true;
+}
+
+void Session::State::sweep_in_background()
+{
+    if (sweeping || !stale_visibility || mode != SweepMode::in_background || !needs_joint())
+        return;
+    if (stale_bounds)
+        return; // the next pass takes them first
+    fit_visibility();
+    sweeping_stats = std::make_shared<LiveSweepStats>();
+    background.start(
+        [grid = visibility.get(), stats_of_task = sweeping_stats,
+         job = LiveSweepInput{input.volume, raw_range, input.transfer_function, input.visibility, background_threads}](
+            const std::atomic<bool>& cancelled) { sweep_live(*grid, job, cancelled, *stats_of_task); });
+    sweeping = true;
+    ++stats.classifications;
+    ++stats.sweeps;
+}
+
+void Session::State::drop_sweep()
+{
+    background.cancel();
+    sweeping = false;
+    stale_visibility = true;
+}
+
+void Session::State::update_joint()
+{
+    const bool ended = sweeping && !background.busy(); // looked at before what is published
+    const std::uint64_t published = visibility->published();
+    if (stale_joint || (published != published_in_joint && (ended || since_build_s >= joint_build_s))) {
+        joint_build_s = since_build_s = 0.0;
+        {
+            const Stopwatch watch(joint_build_s);
+            const JointFactor factor =
+                strategy() == Strategy::visibility ? JointFactor::visibility_only : JointFactor::visibility_times_light;
+            stale_joint = true; // in case of std::bad_alloc
+            visibility->read([&](const VisibilityGrid& grid) {
+                joint.build(grid, input.volume->size(), *light, factor, input.visibility.epsilon);
+            });
+        }
+        stats.joint_s += joint_build_s;
+        ++stats.joint_builds;
+        stats.joint_bytes = joint.bytes();
+        stale_joint = false;
+        published_in_joint = published;
+    }
+    if (!ended)
+        return;
+    rethrow();
+    sweeping = stale_visibility = false;
+    stats.classify_s += sweeping_stats->classify_s;
+    stats.sweep_s += sweeping_stats->sweep_s;
+    stats.last_sweep = sweeping_stats->sweep;
+    stats.visibility_bytes = visibility->bytes();
+}
+
+} // namespace lumisweep

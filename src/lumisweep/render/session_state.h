@@ -1,0 +1,70 @@
+// What a session holds, and what each stage of the graph makes of it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "lumisweep/render/background_task.h"
+#include "lumisweep/render/scene_view.h"
+#include "lumisweep/render/session.h"
+#include "lumisweep/sampling/joint_grid.h"
+#include "lumisweep/visibility/live_sweep.h"
+#include "lumisweep/visibility/live_visibility.h"
+#include "lumisweep/volume/majorant_grid.h"
+#include "lumisweep/volume/raw_range.h"
+
+namespace lumisweep {
+
+struct Session::State {
+    SessionInput input;
+    std::shared_ptr<Backend> backend;
+    SessionStats stats;
+
+    BoundsGrid bounds;
+    RawRange raw_range;
+    MajorantGrid majorants;
+    std::unique_ptr<LiveVisibility> visibility; // null before the first sweep
+    JointGrid joint;
+    std::shared_ptr<const Environment> light; // input.environment, with at least as many texels a side as directions
+    Film film;
+    AlignedArray<float> sample_color, sample_features;
+
+    // What is out of date; each implies the work of the stages below it that use it.
+    bool stale_bounds = true, stale_majorants = true, stale_visibility = true, stale_joint = true;
+
+    SweepMode mode = SweepMode::before_pass;
+    int background_threads = 1;
+    bool sweeping = false; // a background sweep of the present input runs, or has ended and is not yet taken up
+    std::shared_ptr<LiveSweepStats> sweeping_stats;
+    std::uint64_t published_in_joint = 0;            // directions that the joint grid knows
+    double joint_build_s = 0.0, since_build_s = 0.0; // of the last build, and rendering since then
+    BackgroundTask background;                       // last: it uses the others
+
+    Strategy strategy() const;
+    bool needs_joint() const;
+
+    void resize_film();
+    void use_environment();
+    SceneView view() const;
+
+    /// Bounds and majorants: what the image's mean depends on.
+    void update_majorants();
+    /// Classifies and sweeps in this thread's arena; false when cancelled.
+    bool sweep_now(const std::atomic<bool>* cancel);
+    /// Has the sweep done in the background, unless it is under way or not needed.
+    void sweep_in_background();
+    /// The input of sweeps has changed: what runs is of no use any more.
+    void drop_sweep();
+    /// Brings the joint grid up to date with what is published. When nothing but published directions has changed, not
+    /// more than every other second goes into that, until all are there.
+    void update_joint();
+    /// Takes a grid of the input's shape in place of the present one.
+    void use_visibility(VisibilityGrid grid);
+    /// Throws what the background sweep has thrown, once.
+    void rethrow();
+
+private:
+    void fit_visibility();
+};
+
+} // namespace lumisweep

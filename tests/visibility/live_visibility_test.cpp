@@ -1,0 +1,161 @@
+// A grid that is read while it is swept: whole directions only, the same bits as a sweep all at once, quickly
+// cancelled.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <numeric>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "lumisweep/base/error.h"
+#include "lumisweep/visibility/live_sweep.h"
+#include "support/effort.h"
+#include "visibility/generated_volumes.h"
+
+namespace lumisweep {
+namespace {
+
+bool all_are(const VisibilityGrid& grid, int d, int value)
+{
+    const std::uint8_t* v = grid.direction(d);
+    return std::all_of(v, v + grid.cell_count(), [&](std::uint8_t x) { return x == value; });
+}
+
+void fill(VisibilityGrid& grid, int d, int value) { std::memset(grid.direction(d), value, grid.cell_count()); }
+
+TEST(LiveVisibilityTest, PublishesWhatIsStagedAndNothingElse)
+{
+    LiveVisibility live(VisibilityGrid({20, 16, 12}, 4, 4), 5);
+    EXPECT_EQ(live.bytes(), VisibilityGrid::bytes_needed(5 * 4 * 3, 4)) << "spare slots are taken when they are needed";
+    const int first[] = {3, 7, 11};
+    VisibilityGrid& staged = live.stage(first);
+    EXPECT_EQ(live.bytes(), VisibilityGrid::bytes_needed(5 * 4 * 3, 4) / 16 * 21);
+    for (const int d : first)
+        fill(staged, d, d);
+    live.read([&](const VisibilityGrid& grid) {
+        for (int d = 0; d < 16; ++d)
+            EXPECT_TRUE(all_are(grid, d, 255));
+    });
+    live.publish();
+    EXPECT_EQ(live.published(), 3U);
+    const int second[] = {0, 1, 2, 3, 4};
+    VisibilityGrid& abandoned = live.stage(second);
+    for (const int d : second)
+        fill(abandoned, d, 99);
+    const int third[] = {1, 3};
+    VisibilityGrid& again = live.stage(third);
+    for (const int d : third)
+        fill(again, d, 100 + d);
+    live.publish();
+    live.read([&](const VisibilityGrid& grid) {
+        for (int d = 0; d < 16; ++d)
+            EXPECT_TRUE(all_are(grid, d, d == 1 || d == 3 ? 100 + d : d == 7 || d == 11 ? d : 255)) << d;
+    });
+    EXPECT_EQ(live.settled().direction(7), live.last_read().direction(7));
+}
+
+TEST(LiveVisibilityTest, SpareSlotsAreFewButEnough)
+{
+    EXPECT_EQ(LiveVisibility::spare_slots(1, 4), 1);
+    EXPECT_EQ(LiveVisibility::spare_slots(4, 4), 16);
+    EXPECT_EQ(LiveVisibility::spare_slots(8, 1), 24);
+    EXPECT_EQ(LiveVisibility::spare_slots(8, 64), 32);
+    EXPECT_EQ(LiveVisibility::spare_slots(32, 8), 96);
+}
+
+// The writer gives every direction the number of its round, cell by cell; a reader that met a slot being written would
+// find two numbers in it, or an older number than before.
+TEST(LiveVisibilityConcurrency, ReadersMeetWholeDirections)
+{
+    constexpr int rounds = 120;
+    for (const int spare : {1, 5, 16}) {
+        LiveVisibility live(VisibilityGrid({256, 128, 4}, 4, 4), spare);
+        for (int d = 0; d < 16; ++d)
+            fill(live.settled(), d, 0);
+        std::atomic<bool> done = false;
+        std::thread writer([&] {
+            std::mt19937 random(9);
+            std::vector<int> order(16);
+            std::iota(order.begin(), order.end(), 0);
+            for (int round = 1; round <= rounds; ++round) {
+                std::shuffle(order.begin(), order.end(), random);
+                for (int begin = 0; begin < 16; begin += spare) {
+                    const std::span<const int> some = std::span(order).subspan(
+                        static_cast<std::size_t>(begin), static_cast<std::size_t>(std::min(spare, 16 - begin)));
+                    VisibilityGrid& staged = live.stage(some);
+                    for (const int d : some)
+                        fill(staged, d, round);
+                    live.publish();
+                }
+            }
+            done = true;
+        });
+        int seen[16] = {}, reads = 0, torn = 0, backwards = 0;
+        for (bool last = false; !last; ++reads) {
+            last = done.load();
+            live.read([&](const VisibilityGrid& grid) {
+                for (int d = 0; d < 16; ++d) {
+                    const int value = grid.direction(d)[0];
+                    torn += all_are(grid, d, value) ? 0 : 1;
+                    backwards += value < seen[d] ? 1 : 0;
+                    seen[d] = value;
+                }
+            });
+        }
+        writer.join();
+        EXPECT_EQ(torn, 0);
+        EXPECT_EQ(backwards, 0);
+        EXPECT_GT(reads, 1);
+        for (const int value : seen)
+            EXPECT_EQ(value, rounds);
+        EXPECT_EQ(live.published(), 16U * rounds);
+    }
+}
+
+LiveSweepInput ct_input(Vec3i size, int directions, int threads)
+{
+    LiveSweepInput input;
+    input.volume = std::make_shared<ScalarGrid>(test::ct_like(size, test::oblique()));
+    input.range = raw_range(*input.volume);
+    input.transfer_function = test::bone();
+    input.visibility.directions = directions;
+    input.threads = threads;
+    return input;
+}
+
+TEST(LiveVisibilityConcurrency, SweepsGiveTheBitsOfOneSweep)
+{
+    for (const int directions : {1, 2, 8, 16})
+        for (const int threads : {1, 2, 5}) {
+            const LiveSweepInput input = ct_input({30, 26, 28}, directions, threads);
+            VisibilityGrid expected(input.volume->size(), input.visibility.cell, directions);
+            sweep_visibility(expected,
+                             classify(*input.volume, input.range, input.transfer_function,
+                                      sweep_mip_level(input.volume->size(), input.visibility.rays)),
+                             input.visibility);
+            LiveVisibility live(VisibilityGrid(input.volume->size(), input.visibility.cell, directions),
+                                LiveVisibility::spare_slots(directions, threads));
+            LiveSweepStats stats;
+            EXPECT_TRUE(sweep_live(live, input, std::atomic<bool>(false), stats));
+            EXPECT_EQ(live.published(), static_cast<std::uint64_t>(directions * directions));
+            EXPECT_GT(stats.sweep.voxel_steps, 0U);
+            for (int d = 0; d < directions * directions; ++d)
+                EXPECT_EQ(std::memcmp(live.settled().direction(d), expected.direction(d), expected.cell_count()), 0)
+                    << "direction " << d << " of " << directions << "², " << threads << " threads";
+        }
+}
+
+TEST(LiveVisibilityConcurrency, RefusesAGridOfAnotherShape)
+{
+    const LiveSweepInput input = ct_input({30, 26, 28}, 8, 1);
+    LiveVisibility live(VisibilityGrid({30, 26, 40}, input.visibility.cell, 8), 24);
+    LiveSweepStats stats;
+    EXPECT_THROW(sweep_live(live, input, std::atomic<bool>(false), stats), Error);
+    EXPECT_EQ(live.published(), 0U);
+}
+
+} // namespace
+} // namespace lumisweep

@@ -61,7 +61,14 @@ struct MarchCase {
     int rays;
     std::vector<std::int32_t> even, odd;
     std::vector<std::vector<std::uint8_t>> pairs;
+    struct Window {
+        int first, last; ///< the rays that count the slice
+    };
     std::vector<MarchRow> rows;
+    std::vector<Window> windows; ///< [row]
+    std::vector<int> edge;
+    std::vector<std::vector<std::uint32_t>> counted;
+    MarchBlocks blocks{};
 
     MarchCase(std::mt19937& random, int ray_count, int row_count) : rays(ray_count)
     {
@@ -70,20 +77,23 @@ struct MarchCase {
         odd = random_values<std::int32_t>(random, padded, -1000000, 100000000);
         for (int r = 0; r < row_count; ++r) {
             MarchRow row{};
+            Window window{};
             // Whole rows, one ray, none, part of one block, any.
             switch (uniform(random, 0, 5)) {
-            case 0: row.first = 0, row.last = rays; break;
-            case 1: row.first = uniform(random, 0, rays - 1), row.last = row.first + 1; break;
-            case 2: row.first = rays, row.last = 0; break;
-            case 3: row.first = rays / ray_block * ray_block, row.last = rays; break;
-            default: row.first = uniform(random, 0, rays); row.last = uniform(random, row.first, rays);
+            case 0: window.first = 0, window.last = rays; break;
+            case 1: window.first = uniform(random, 0, rays - 1), window.last = window.first + 1; break;
+            case 2: window.first = rays, window.last = 0; break;
+            case 3: window.first = rays / ray_block * ray_block, window.last = rays; break;
+            default: window.first = uniform(random, 0, rays); window.last = uniform(random, window.first, rays);
             }
             // Readable from a margin before the first counted ray's voxels to one behind the last's.
-            const int first = std::min(row.first, rays - 1), last = std::max(row.last, first + 1);
-            pairs.push_back(random_values<std::uint8_t>(random, 2 * (last - first + 1) + 2 * pair_row_margin, 0, 255));
+            const int first = std::min(window.first, rays - 1), last = std::max(window.last, first + 1);
+            // (A block without any ray of the slice is not read by the sweep; here the whole row of rays may be.)
+            pairs.push_back(
+                random_values<std::uint8_t>(random, 2 * (last - first + 1) + 2 * pair_row_margin + 4 * rays, 0, 255));
             if (uniform(random, 0, 3) == 0)
                 std::fill(pairs.back().begin(), pairs.back().end(), std::uint8_t{255});
-            row.pairs = pairs.back().data() + (pair_row_margin - 2 * first);
+            row.pairs = pairs.back().data() + (pair_row_margin + 2 * rays - 2 * first);
             int rest = uniform(random, 0, 3) == 0 ? 127 : uniform(random, 0, 127);
             for (int k = 0; k < 4; ++k) {
                 const int weight = k == 3 || uniform(random, 0, 4) == 0 ? rest : uniform(random, 0, rest);
@@ -91,16 +101,50 @@ struct MarchCase {
                 rest -= weight;
             }
             rows.push_back(row);
+            windows.push_back(window);
         }
+        place_blocks();
+    }
+
+    /// Blocks that all windows fill from the first to the last; all others are edges.
+    void place_blocks()
+    {
+        const auto filled = [&](int block) {
+            return std::all_of(windows.begin(), windows.end(), [&](const Window& w) {
+                return w.first <= block * ray_block && w.last >= (block + 1) * ray_block;
+            });
+        };
+        const int count = (rays + ray_block - 1) / ray_block;
+        while (blocks.first < count && !filled(blocks.first))
+            ++blocks.first;
+        for (blocks.last = blocks.first; blocks.last < count && filled(blocks.last);)
+            ++blocks.last;
+        for (int block = 0; block < count; ++block)
+            if (block < blocks.first || block >= blocks.last)
+                edge.push_back(block);
+        for (const Window& w : windows) {
+            counted.emplace_back();
+            for (const int block : edge) {
+                std::uint32_t bits = 0;
+                for (int ray = std::max(w.first, block * ray_block); ray < std::min(w.last, (block + 1) * ray_block);
+                     ++ray)
+                    bits |= 1U << (ray / 2 % 16 + ray % 2 * 16);
+                counted.back().push_back(bits);
+            }
+        }
+        for (std::size_t r = 0; r < rows.size(); ++r)
+            rows[r].counted = counted[r].data();
+        blocks.edge = edge.data();
+        blocks.edge_count = static_cast<int>(edge.size());
     }
 
     void march_plainly()
     {
-        for (const MarchRow& row : rows)
-            for (int ray = row.first; ray < row.last; ++ray)
+        for (std::size_t r = 0; r < rows.size(); ++r)
+            for (int ray = windows[r].first; ray < windows[r].last; ++ray)
                 for (int k = 0; k < 4; ++k)
                     (ray % 2 == 0 ? even : odd)[static_cast<std::size_t>(ray / 2)] +=
-                        row.pairs[2 * ray + k] * row.weight[k];
+                        rows[r].pairs[2 * ray + k] * rows[r].weight[k];
     }
 };
 
@@ -109,13 +153,13 @@ TEST(SweepKernels, MarchAddsWhatTheWindowsCount)
     std::mt19937 random(2);
     for (int repeat = 0; repeat < 1500; ++repeat) {
         const int rays = repeat % 3 == 0 ? uniform(random, 1, 40) : uniform(random, 1, 300);
-        const MarchCase start(random, rays, uniform(random, 0, 21));
+        const MarchCase start(random, rays, uniform(random, 0, march_slices));
         MarchCase expected = start;
         expected.march_plainly();
         for (const SweepKernels* kernels : runnable_kernels()) {
             MarchCase marched = start;
             kernels->march(marched.even.data(), marched.odd.data(), start.rows.data(),
-                           static_cast<int>(start.rows.size()));
+                           static_cast<int>(start.rows.size()), start.blocks);
             ASSERT_EQ(marched.even, expected.even) << kernels->name << ", case " << repeat;
             ASSERT_EQ(marched.odd, expected.odd) << kernels->name << ", case " << repeat;
         }

@@ -15,8 +15,11 @@ namespace lumisweep {
 
 /// Rays are marched in blocks of this many; rows of rays are padded to whole blocks.
 inline constexpr int ray_block = 32;
-/// Bytes that must be readable before and after a pair row.
-inline constexpr int pair_row_margin = 2 * ray_block + 2;
+/// Bytes that must be readable before and after a pair row: rays of a block that do not count, and slices that have no
+/// ray in it because they are up to 8 voxels of shear away.
+inline constexpr int pair_row_margin = 2 * ray_block + 2 + 16;
+/// Slices that one pass of the march takes at most; more are marched in several.
+inline constexpr int march_slices = 8;
 /// Voxels repeated beyond each end of a pair row.
 inline constexpr int edge_voxels = 2;
 /// V during filtering: fixed point, this is 1 (sixteen times 255).
@@ -26,7 +29,15 @@ inline constexpr int whole_visibility = 4080;
 struct MarchRow {
     const std::uint8_t* pairs; ///< the four voxels of ray k begin at pairs + 2 k
     std::int8_t weight[4];
-    int first, last; ///< the rays that count this slice
+    const std::uint32_t* counted; ///< [edge block] which rays count this slice: even ones in the low 16 bits
+};
+
+/// The blocks of rays that some slices march through: all rays of [first, last) count all slices; in the edge blocks
+/// each slice has its own.
+struct MarchBlocks {
+    int first, last;
+    const int* edge;
+    int edge_count;
 };
 
 /// A row of cells on two rows of rays.
@@ -50,6 +61,7 @@ struct SideRow {
     float fraction_rows;
     float depth;  ///< slices
     float weight; ///< of a ray from the start face at this depth
+    float scale;  ///< natural optical depth × log2 e of one stored step over one slice
     int count;    ///< cells
 };
 
@@ -57,16 +69,19 @@ struct SweepKernels {
     const char* name;
     /// pairs[2u] = low[u], pairs[2u + 1] = high[u], with edge_voxels repeated at either end (pairs[−4] … ).
     void (*make_pairs)(std::uint8_t* pairs, const std::uint8_t* low, const std::uint8_t* high, int count);
-    /// tau[ray] += Σ over the pieces that count the ray of weight · voxels.
-    void (*march)(std::int32_t* even, std::int32_t* odd, const MarchRow* rows, int row_count);
+    /// tau[ray] += Σ over the slices that count the ray of weight · voxels.
+    void (*march)(std::int32_t* even, std::int32_t* odd, const MarchRow* rows, int row_count,
+                  const MarchBlocks& blocks);
     /// tau[cell]: bilinear between four rays.
     void (*look_up)(float* tau, const LookupRow& row);
-    /// Factors that turn summed τ into the natural optical depth of a cell per unit of extinction: forwards, from the
-    /// start face to the cell, and backwards, from the cell to the other end.
+    /// Factors that turn summed τ into the optical depth of a cell times log2 e: forwards, from the start face to the
+    /// cell, and backwards, from the cell to the other end.
     void (*side_factors)(float* forwards, float* backwards, const SideRow& row);
-    /// visibility[i] = exp(−scale · factor[i] · (total[i] − tau[i])); without `total` of tau[i] alone.
-    void (*to_visibility)(std::uint16_t* visibility, const float* total, const float* tau, const float* factor,
-                          float scale, int count);
+    /// visibility[i] = 2^(−factor[i] · tau[i]), at most 1.
+    void (*to_visibility)(std::uint16_t* visibility, const float* tau, const float* factor, int count);
+    /// Likewise of total[i] − tau[i].
+    void (*to_visibility_of_rest)(std::uint16_t* visibility, const float* total, const float* tau, const float* factor,
+                                  int count);
     /// out[i] = a[i] + b[i], mod 2^16.
     void (*add)(std::uint16_t* out, const std::uint16_t* a, const std::uint16_t* b, int count);
     /// sums[i] += (entering[i] >> shift) − (leaving[i] >> shift), mod 2^16.

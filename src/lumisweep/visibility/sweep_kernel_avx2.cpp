@@ -1,6 +1,8 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
+#include <cstddef>
+
 #include "lumisweep/visibility/sweep_kernel.h"
 
 namespace lumisweep {
@@ -37,11 +39,11 @@ struct Rays {
         sum[0] = _mm256_add_epi32(sum[0], products(pairs, weight));
         sum[1] = _mm256_add_epi32(sum[1], products(pairs + 32, weight));
     }
-    __attribute__((always_inline)) inline void add_some(const std::uint8_t* pairs, Weights weight, int which)
+    __attribute__((always_inline)) inline void add_some(const std::uint8_t* pairs, Weights weight, std::uint32_t which)
     {
         const __m256i bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
         for (int half = 0; half < 2; ++half) {
-            const __m256i chosen = _mm256_and_si256(_mm256_set1_epi32(which >> (8 * half)), bits);
+            const __m256i chosen = _mm256_and_si256(_mm256_set1_epi32(static_cast<int>(which >> (8 * half))), bits);
             sum[half] = _mm256_add_epi32(
                 sum[half], _mm256_and_si256(products(pairs + 32 * half, weight), _mm256_cmpeq_epi32(chosen, bits)));
         }

@@ -1,6 +1,8 @@
 #if defined(__x86_64__)
 #include <immintrin.h>
 
+#include <cstddef>
+
 #include "lumisweep/visibility/sweep_kernel.h"
 
 namespace lumisweep {
@@ -25,7 +27,7 @@ struct Rays {
     {
         sum = _mm512_dpbusd_epi32(sum, _mm512_loadu_si512(pairs), weight);
     }
-    __attribute__((always_inline)) inline void add_some(const std::uint8_t* pairs, Weights weight, int which)
+    __attribute__((always_inline)) inline void add_some(const std::uint8_t* pairs, Weights weight, std::uint32_t which)
     {
         sum = _mm512_mask_dpbusd_epi32(sum, static_cast<__mmask16>(which), _mm512_loadu_si512(pairs), weight);
     }

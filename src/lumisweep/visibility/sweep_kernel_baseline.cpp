@@ -1,4 +1,6 @@
 // The plain version, for every machine: what the wider ones must equal to the bit.
+#include <cstddef>
+
 #include "lumisweep/visibility/sweep_kernel.h"
 
 namespace lumisweep {
@@ -29,10 +31,10 @@ struct Rays {
             sum[k] += pairs[4 * k] * weight.of[0] + pairs[4 * k + 1] * weight.of[1] + pairs[4 * k + 2] * weight.of[2] +
                       pairs[4 * k + 3] * weight.of[3];
     }
-    void add_some(const std::uint8_t* pairs, const Weights& weight, int which)
+    void add_some(const std::uint8_t* pairs, const Weights& weight, std::uint32_t which)
     {
         for (int k = 0; k < ray_block / 2; ++k)
-            if ((which >> k & 1) != 0)
+            if ((which >> k & 1U) != 0)
                 sum[k] += pairs[4 * k] * weight.of[0] + pairs[4 * k + 1] * weight.of[1] +
                           pairs[4 * k + 2] * weight.of[2] + pairs[4 * k + 3] * weight.of[3];
     }

@@ -18,37 +18,9 @@ void make_pairs(std::uint8_t* __restrict pairs, const std::uint8_t* low, const s
     }
 }
 
-inline __attribute__((always_inline)) int clamp_to_block(int ray, int block)
-{
-    const int i = ray - block * ray_block;
-    return i < 0 ? 0 : i > ray_block ? ray_block : i;
-}
-
-inline __attribute__((always_inline)) int bits_between(int first, int last)
-{
-    return first < last ? (1 << last) - (1 << first) : 0;
-}
-
-/// A block in which not every piece counts every ray.
-void march_edge(std::int32_t* even, std::int32_t* odd, const MarchRow* rows, int row_count, int block)
-{
-    Rays sum_even = Rays::load(even + block * (ray_block / 2)), sum_odd = Rays::load(odd + block * (ray_block / 2));
-    for (int r = 0; r < row_count; ++r) {
-        const int first = clamp_to_block(rows[r].first, block), last = clamp_to_block(rows[r].last, block);
-        if (first >= last)
-            continue;
-        const std::uint8_t* pairs = rows[r].pairs + 2 * ray_block * block;
-        const Rays::Weights weights = Rays::weights(rows[r].weight);
-        sum_even.add_some(pairs, weights, bits_between((first + 1) / 2, (last + 1) / 2));
-        sum_odd.add_some(pairs + 2, weights, bits_between(first / 2, last / 2));
-    }
-    sum_even.store(even + block * (ray_block / 2));
-    sum_odd.store(odd + block * (ray_block / 2));
-}
-
+/// row_count ≤ march_slices.
 template <int row_count>
-inline __attribute__((always_inline)) void march_blocks(std::int32_t* even, std::int32_t* odd, const MarchRow* rows,
-                                                        int first_block, int last_block)
+void march_rows(std::int32_t* even, std::int32_t* odd, const MarchRow* rows, const MarchBlocks& blocks)
 {
     const std::uint8_t* pairs[row_count];
     Rays::Weights weights[row_count];
@@ -56,53 +28,41 @@ inline __attribute__((always_inline)) void march_blocks(std::int32_t* even, std:
         pairs[r] = rows[r].pairs;
         weights[r] = Rays::weights(rows[r].weight);
     }
-    for (int block = first_block; block < last_block; ++block) {
-        std::int32_t* block_even = even + block * (ray_block / 2);
-        std::int32_t* block_odd = odd + block * (ray_block / 2);
-        Rays sum_even = Rays::load(block_even), sum_odd = Rays::load(block_odd);
+    for (int e = 0; e < blocks.edge_count; ++e) {
+        const std::ptrdiff_t at = blocks.edge[e] * (ray_block / 2);
+        Rays sum_even = Rays::load(even + at), sum_odd = Rays::load(odd + at);
         for (int r = 0; r < row_count; ++r) {
-            sum_even.add(pairs[r] + 2 * ray_block * block, weights[r]);
-            sum_odd.add(pairs[r] + 2 * ray_block * block + 2, weights[r]);
+            const std::uint32_t counted = rows[r].counted[e];
+            sum_even.add_some(pairs[r] + 4 * at, weights[r], counted & 0xffffU);
+            sum_odd.add_some(pairs[r] + 4 * at + 2, weights[r], counted >> 16);
         }
-        sum_even.store(block_even);
-        sum_odd.store(block_odd);
+        sum_even.store(even + at);
+        sum_odd.store(odd + at);
+    }
+    const std::ptrdiff_t last = static_cast<std::ptrdiff_t>(blocks.last) * (ray_block / 2);
+    for (std::ptrdiff_t at = static_cast<std::ptrdiff_t>(blocks.first) * (ray_block / 2); at < last;
+         at += ray_block / 2) {
+        Rays sum_even = Rays::load(even + at), sum_odd = Rays::load(odd + at);
+        for (int r = 0; r < row_count; ++r) {
+            sum_even.add(pairs[r] + 4 * at, weights[r]);
+            sum_odd.add(pairs[r] + 4 * at + 2, weights[r]);
+        }
+        sum_even.store(even + at);
+        sum_odd.store(odd + at);
     }
 }
 
-template <int row_count>
-void march_some(std::int32_t* even, std::int32_t* odd, const MarchRow* rows)
+void march(std::int32_t* even, std::int32_t* odd, const MarchRow* rows, int row_count, const MarchBlocks& blocks)
 {
-    int first = rows[0].first, last = rows[0].last, inner_first = first, inner_last = last;
-    for (int r = 1; r < row_count; ++r) {
-        first = rows[r].first < first ? rows[r].first : first;
-        last = rows[r].last > last ? rows[r].last : last;
-        inner_first = rows[r].first > inner_first ? rows[r].first : inner_first;
-        inner_last = rows[r].last < inner_last ? rows[r].last : inner_last;
-    }
-    const int end_block = (last + ray_block - 1) / ray_block;
-    int inner_begin = (inner_first + ray_block - 1) / ray_block, inner_end = inner_last / ray_block;
-    if (inner_begin >= inner_end)
-        inner_begin = inner_end = end_block;
-    for (int block = first / ray_block; block < inner_begin; ++block)
-        march_edge(even, odd, rows, row_count, block);
-    march_blocks<row_count>(even, odd, rows, inner_begin, inner_end);
-    for (int block = inner_end; block < end_block; ++block)
-        march_edge(even, odd, rows, row_count, block);
-}
-
-void march(std::int32_t* even, std::int32_t* odd, const MarchRow* rows, int row_count)
-{
-    for (; row_count > 8; row_count -= 8, rows += 8)
-        march_some<8>(even, odd, rows);
     switch (row_count) {
-    case 8: return march_some<8>(even, odd, rows);
-    case 7: return march_some<7>(even, odd, rows);
-    case 6: return march_some<6>(even, odd, rows);
-    case 5: return march_some<5>(even, odd, rows);
-    case 4: return march_some<4>(even, odd, rows);
-    case 3: return march_some<3>(even, odd, rows);
-    case 2: return march_some<2>(even, odd, rows);
-    case 1: return march_some<1>(even, odd, rows);
+    case 8: return march_rows<8>(even, odd, rows, blocks);
+    case 7: return march_rows<7>(even, odd, rows, blocks);
+    case 6: return march_rows<6>(even, odd, rows, blocks);
+    case 5: return march_rows<5>(even, odd, rows, blocks);
+    case 4: return march_rows<4>(even, odd, rows, blocks);
+    case 3: return march_rows<3>(even, odd, rows, blocks);
+    case 2: return march_rows<2>(even, odd, rows, blocks);
+    case 1: return march_rows<1>(even, odd, rows, blocks);
     default: return;
     }
 }
@@ -148,14 +108,15 @@ inline __attribute__((always_inline)) float greater(float a, float b) { return a
 /// part / weight, 0 where nothing was counted.
 inline __attribute__((always_inline)) float per_weight(float part, float weight)
 {
-    return weight > 0.0F ? greater(part, 0.0F) / weight : 0.0F;
+    const float quotient = greater(part, 0.0F) / greater(weight, 1e-3F); // weights are whole numbers in [0, 1] parts
+    return weight > 0.0F ? quotient : 0.0F;
 }
 
 void side_factors(float* __restrict forwards, float* __restrict backwards, const SideRow& row)
 {
     const int count = row.count;
     const float f_rows = row.fraction_rows, rest_rows = 1.0F - f_rows;
-    const float depth = row.depth, weight = row.weight;
+    const float depth = row.depth, weight = row.weight, scale = row.scale;
     const float row_begin0 = row.row_begin[0], row_begin1 = row.row_begin[1];
     const float row_end0 = row.row_end[0], row_end1 = row.row_end[1];
     const float row_enter = row.row_enter, row_leave = row.row_leave;
@@ -177,40 +138,48 @@ void side_factors(float* __restrict forwards, float* __restrict backwards, const
         const float from3 = greater(end3 - greater(begin3, weight), 0.0F);
         const float until = (until0 * rest + until1 * f) * rest_rows + (until2 * rest + until3 * f) * f_rows;
         const float from = (from0 * rest + from1 * f) * rest_rows + (from2 * rest + from3 * f) * f_rows;
-        forwards[c] = per_weight(depth - greater(enter[c], row_enter), until);
-        backwards[c] = per_weight(lesser(leave[c], row_leave) - depth, from);
+        forwards[c] = per_weight(depth - greater(enter[c], row_enter), until) * scale;
+        backwards[c] = per_weight(lesser(leave[c], row_leave) - depth, from) * scale;
     }
 }
 
-/// exp(−x) for x ≥ 0, relative error below 5e−5 until it flushes to 3e−38 at x = 87.
-inline __attribute__((always_inline)) float exp_minus(float x)
+/// A constant that the compiler does not see through: it would split loops into branches for its special cases instead
+/// of vectorising them.
+inline __attribute__((always_inline)) float opaque(float constant)
 {
-    const float y = (x < 87.0F ? x : 87.0F) * -1.44269504F;
-    const int whole = static_cast<int>(y - 0.5F); // y ≤ 0: rounds to nearest
-    const float f = (y - static_cast<float>(whole)) * 0.69314718F;
-    float p = 1.0F / 24.0F;
-    p = p * f + 1.0F / 6.0F;
-    p = p * f + 0.5F;
-    p = p * f + 1.0F;
-    p = p * f + 1.0F;
-    return p * __builtin_bit_cast(float, (whole + 127) << 23);
+    asm("" : "+m"(constant));
+    return constant;
 }
 
-inline __attribute__((always_inline)) std::uint16_t fixed_visibility(float tau)
+/// 2^−y in whole_visibility, at most 1; 0 from y = most = 30 on. Relative error below 8e−5.
+inline __attribute__((always_inline)) std::uint16_t fixed_visibility(float y, float most)
 {
-    return static_cast<std::uint16_t>(
-        static_cast<int>(exp_minus(greater(tau, 0.0F)) * static_cast<float>(whole_visibility) + 0.5F));
+    const float bounded = lesser(y, most);
+    const int whole = static_cast<int>(bounded + 0.5F);  // below 0 by no more than rounding
+    const float f = static_cast<float>(whole) - bounded; // −1/2 … 1/2
+    // 2^f by the cubic of least relative error.
+    float p = 0.05517167F * whole_visibility;
+    p = p * f + 0.24261112F * whole_visibility;
+    p = p * f + 0.69326099F * whole_visibility;
+    p = p * f + 0.99992807F * whole_visibility;
+    const int v = static_cast<int>(__builtin_bit_cast(float, __builtin_bit_cast(int, p) - (whole << 23)) + 0.5F);
+    return static_cast<std::uint16_t>(v < whole_visibility ? v : whole_visibility);
 }
 
-void to_visibility(std::uint16_t* __restrict visibility, const float* total, const float* tau, const float* factor,
-                   float scale, int count)
+void to_visibility(std::uint16_t* __restrict visibility, const float* __restrict tau, const float* __restrict factor,
+                   int count)
 {
-    if (total == nullptr)
-        for (int i = 0; i < count; ++i)
-            visibility[i] = fixed_visibility(tau[i] * (factor[i] * scale));
-    else
-        for (int i = 0; i < count; ++i)
-            visibility[i] = fixed_visibility((total[i] - tau[i]) * (factor[i] * scale));
+    const float most = opaque(30.0F);
+    for (int i = 0; i < count; ++i)
+        visibility[i] = fixed_visibility(tau[i] * factor[i], most);
+}
+
+void to_visibility_of_rest(std::uint16_t* __restrict visibility, const float* __restrict total,
+                           const float* __restrict tau, const float* __restrict factor, int count)
+{
+    const float most = opaque(30.0F);
+    for (int i = 0; i < count; ++i)
+        visibility[i] = fixed_visibility((total[i] - tau[i]) * factor[i], most);
 }
 
 void add(std::uint16_t* out, const std::uint16_t* a, const std::uint16_t* b, int count)
@@ -259,16 +228,8 @@ void store(std::uint8_t* __restrict out, const std::uint16_t* __restrict in, int
 
 } // namespace
 
-const SweepKernels LUMISWEEP_SWEEP_KERNELS = {LUMISWEEP_SWEEP_KERNELS_NAME,
-                                              make_pairs,
-                                              march,
-                                              look_up,
-                                              side_factors,
-                                              to_visibility,
-                                              add,
-                                              slide,
-                                              box_mean,
-                                              box_mean_row,
-                                              store};
+const SweepKernels LUMISWEEP_SWEEP_KERNELS = {
+    LUMISWEEP_SWEEP_KERNELS_NAME, make_pairs, march, look_up,  side_factors, to_visibility,
+    to_visibility_of_rest,        add,        slide, box_mean, box_mean_row, store};
 
 } // namespace lumisweep

@@ -1,6 +1,7 @@
 #include "lumisweep/visibility/sweep_march.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -145,22 +146,24 @@ bool GroupMarch::run(std::span<RayPlane> planes, SweepStats& stats)
     // With less than two rays a cell the rows of neighbouring lookups overlap; then there is only one strip.
     const int cells_per_strip = cell_v >= 2.0 ? std::max(1, static_cast<int>(strip_rows / cell_v)) : cells_v;
     const int strips = (cells_v + cells_per_strip - 1) / cells_per_strip;
-    spans_.resize(planes.size());
+    parts_.resize(planes.size());
     for (int s = 0; s < strips; ++s) {
         const int which = g.v.slope > 0.0 ? s : strips - 1 - s;
         const Strip strip{which * cells_per_strip, std::min((which + 1) * cells_per_strip, cells_v), which == 0,
                           which == strips - 1};
         for (int slab = 0; slab <= cells_w; ++slab) {
-            if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed))
-                return false;
-            {
-                const ProcessorStopwatch watch(stats.layout_s);
-                make_pairs(planes, strip, slab);
-            }
-            {
-                const ProcessorStopwatch watch(stats.march_s);
+            const std::size_t pieces = planes.front().slab(slab).size(); // the same of all
+            for (std::size_t first = 0; first < pieces; first += march_slices) {
+                if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed))
+                    return false;
                 for (std::size_t d = 0; d < planes.size(); ++d)
-                    march(planes[d], spans_[d], slab, stats);
+                    place(planes[d], strip, slab, first, parts_[d]);
+                {
+                    const ProcessorStopwatch watch(stats.layout_s);
+                    make_pairs(planes);
+                }
+                const ProcessorStopwatch watch(stats.march_s);
+                march(planes, stats);
             }
             if (slab == cells_w)
                 continue;
@@ -174,49 +177,90 @@ bool GroupMarch::run(std::span<RayPlane> planes, SweepStats& stats)
 }
 
 /// The ray rows that belong to a strip during a slab: from the lower row of its first lookup to below that of the next
-/// strip's first.
+/// strip's first. Behind the last lookup they stay with their strip.
 GroupMarch::Span GroupMarch::ray_rows(const RayPlane& plane, const Strip& strip, int slab) const
 {
     const CellPlaces& places = plane.places_v();
-    const SweepGeometry& g = plane.geometry();
-    const int slices = static_cast<int>(places.depths.size());
-    const auto boundary = [&](int cell) {
-        if (slab < slices)
-            return places.rays_of(slab)[cell];
-        // Behind the last lookup any boundary between it and the end will do that moves with the shear.
-        return places.rays_of(slices - 1)[cell];
-    };
-    return {strip.lowest ? 0 : boundary(strip.first_cell), strip.highest ? g.v.ray_count : boundary(strip.last_cell)};
+    const std::int32_t* boundary = places.rays_of(std::min(slab, static_cast<int>(places.depths.size()) - 1));
+    return {strip.lowest ? 0 : boundary[strip.first_cell],
+            strip.highest ? plane.geometry().v.ray_count : boundary[strip.last_cell]};
 }
 
-void GroupMarch::make_pairs(std::span<RayPlane> planes, const Strip& strip, int slab)
+void GroupMarch::place(const RayPlane& plane, const Strip& strip, int slab, std::size_t first_piece, Part& part) const
 {
-    const SweepGeometry& g = planes.front().geometry();
-    pair_rows_.clear();
-    if (planes.front().slab(slab).empty())
-        return;
-    first_slice_ = planes.front().slab(slab).front().slice;
-    const std::size_t slices = static_cast<std::size_t>(planes.front().slab(slab).back().slice - first_slice_) + 1;
-    pair_rows_.assign(slices, {std::numeric_limits<int>::max(), std::numeric_limits<int>::min()});
-    for (std::size_t d = 0; d < planes.size(); ++d) {
-        const SweepAxis& v = planes[d].geometry().v;
-        spans_[d] = ray_rows(planes[d], strip, slab);
-        for (const SweepPiece& piece : planes[d].slab(slab)) {
-            const std::size_t slice = static_cast<std::size_t>(piece.slice);
-            const int first = std::max(spans_[d].first, v.first[slice]), last = std::min(spans_[d].last, v.last[slice]);
-            if (first >= last)
-                continue;
-            Span& rows = pair_rows_[slice - static_cast<std::size_t>(first_slice_)];
-            rows.first = std::min(rows.first, first + v.first_ray + piece.shift_v);
-            rows.last = std::max(rows.last, last + v.first_ray + piece.shift_v);
+    const SweepGeometry& g = plane.geometry();
+    const std::span<const SweepPiece> pieces = plane.slab(slab);
+    part.pieces = pieces.subspan(first_piece, std::min<std::size_t>(march_slices, pieces.size() - first_piece));
+    part.voxel_row = g.v.first_ray + part.pieces.back().shift_v;
+    const Span rows = ray_rows(plane, strip, slab);
+    part.rows = {rows.last, rows.first};
+    part.counted.clear();
+    for (const SweepPiece& piece : part.pieces) {
+        const std::size_t slice = static_cast<std::size_t>(piece.slice);
+        const Span counted{std::max(rows.first, g.v.first[slice]), std::min(rows.last, g.v.last[slice])};
+        part.counted.push_back(counted);
+        if (counted.first < counted.last)
+            part.rows = {std::min(part.rows.first, counted.first), std::max(part.rows.last, counted.last)};
+    }
+    place_blocks(g.u, part);
+}
+
+void GroupMarch::place_blocks(const SweepAxis& u, Part& part)
+{
+    int first = u.ray_count, last = 0, inner_first = 0, inner_last = u.ray_count;
+    for (const SweepPiece& piece : part.pieces) {
+        const std::size_t slice = static_cast<std::size_t>(piece.slice);
+        first = std::min(first, u.first[slice]);
+        last = std::max(last, u.last[slice]);
+        inner_first = std::max(inner_first, u.first[slice]);
+        inner_last = std::min(inner_last, u.last[slice]);
+    }
+    const int end = (last + ray_block - 1) / ray_block;
+    int inner_begin = (inner_first + ray_block - 1) / ray_block, inner_end = inner_last / ray_block;
+    if (inner_begin >= inner_end)
+        inner_begin = inner_end = end;
+    part.edge.clear();
+    for (int block = first / ray_block; block < end; ++block)
+        if (block < inner_begin || block >= inner_end)
+            part.edge.push_back(block);
+    part.edge_rays.clear();
+    for (const SweepPiece& piece : part.pieces) {
+        const std::size_t slice = static_cast<std::size_t>(piece.slice);
+        for (const int block : part.edge) {
+            const auto in_block = [&](int ray) { return std::clamp(ray - block * ray_block, 0, ray_block); };
+            const int from = in_block(u.first[slice]), to = std::max(from, in_block(u.last[slice]));
+            const auto bits = [](int begin, int before) { return (1U << before) - (1U << begin); };
+            part.edge_rays.push_back(bits((from + 1) / 2, (to + 1) / 2) | bits(from / 2, to / 2) << 16);
         }
     }
+    part.blocks = {inner_begin, inner_end, part.edge.data(), static_cast<int>(part.edge.size())};
+}
+
+/// Of all slices and rows that the parts look at.
+void GroupMarch::make_pairs(std::span<RayPlane> planes)
+{
+    const SweepGeometry& g = planes.front().geometry();
+    first_slice_ = parts_.front().pieces.front().slice;
+    const std::size_t slices = static_cast<std::size_t>(parts_.front().pieces.back().slice - first_slice_) + 1;
+    pair_rows_.assign(slices, {0, 0});
+    for (std::size_t d = 0; d < planes.size(); ++d)
+        for (std::size_t p = 0; p < parts_[d].pieces.size(); ++p) {
+            const Span& counted = parts_[d].counted[p];
+            if (counted.first >= counted.last)
+                continue;
+            const SweepPiece& piece = parts_[d].pieces[p];
+            const int shift = planes[d].geometry().v.first_ray + piece.shift_v;
+            Span& rows = pair_rows_[static_cast<std::size_t>(piece.slice - first_slice_)];
+            rows = rows.first == rows.last
+                       ? Span{counted.first + shift, counted.last + shift}
+                       : Span{std::min(rows.first, counted.first + shift), std::max(rows.last, counted.last + shift)};
+        }
     pair_stride_ = (2 * (static_cast<std::size_t>(g.u.size) + 2 * edge_voxels) + 2 * pair_row_margin + 63) / 64 * 64;
     pair_at_.clear();
     std::size_t rows = 0;
     for (const Span& span : pair_rows_) {
         pair_at_.push_back(rows);
-        rows += static_cast<std::size_t>(std::max(0, span.last - span.first));
+        rows += static_cast<std::size_t>(span.last - span.first);
     }
     if (pairs_.size() < rows * pair_stride_)
         pairs_ = AlignedArray<std::uint8_t>(rows * pair_stride_ * 5 / 4);
@@ -232,49 +276,52 @@ void GroupMarch::make_pairs(std::span<RayPlane> planes, const Strip& strip, int 
     }
 }
 
-void GroupMarch::march(RayPlane& plane, Span rows, int slab, SweepStats& stats)
+/// Voxel row by voxel row, with the planes inside: their ray rows there look at much the same pairs, which so stay in
+/// the first-level cache.
+void GroupMarch::march(std::span<RayPlane> planes, SweepStats& stats)
+{
+    int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
+    for (std::size_t d = 0; d < planes.size(); ++d) {
+        const Part& part = parts_[d];
+        if (part.rows.first >= part.rows.last)
+            continue;
+        first = std::min(first, part.rows.first + part.voxel_row);
+        last = std::max(last, part.rows.last + part.voxel_row);
+        const SweepAxis& u = planes[d].geometry().u;
+        for (std::size_t p = 0; p < part.pieces.size(); ++p) {
+            const std::size_t slice = static_cast<std::size_t>(part.pieces[p].slice);
+            stats.voxel_steps += static_cast<std::uint64_t>(std::max(0, part.counted[p].last - part.counted[p].first)) *
+                                 static_cast<std::uint64_t>(std::max(0, u.last[slice] - u.first[slice]));
+        }
+    }
+    for (int voxel_row = first; voxel_row < last; ++voxel_row)
+        for (std::size_t d = 0; d < planes.size(); ++d) {
+            const int ray_row = voxel_row - parts_[d].voxel_row;
+            if (ray_row >= parts_[d].rows.first && ray_row < parts_[d].rows.last)
+                march_row(planes[d], parts_[d], ray_row);
+        }
+}
+
+void GroupMarch::march_row(RayPlane& plane, const Part& part, int ray_row)
 {
     const SweepGeometry& g = plane.geometry();
-    const std::span<const SweepPiece> pieces = plane.slab(slab);
-    if (pieces.empty())
-        return;
-    std::vector<MarchRow>& at = march_rows_;
-    std::vector<Span>& counted = counted_;
-    at.resize(pieces.size());
-    counted.resize(pieces.size());
-    int first = rows.last, last = rows.first;
-    for (std::size_t p = 0; p < pieces.size(); ++p) {
-        const std::size_t slice = static_cast<std::size_t>(pieces[p].slice);
-        counted[p] = {std::max(rows.first, g.v.first[slice]), std::min(rows.last, g.v.last[slice])};
-        first = std::min(first, counted[p].first);
-        last = std::max(last, counted[p].last);
-        stats.voxel_steps += static_cast<std::uint64_t>(std::max(0, counted[p].last - counted[p].first)) *
-                             static_cast<std::uint64_t>(std::max(0, g.u.last[slice] - g.u.first[slice]));
+    std::array<MarchRow, march_slices> rows;
+    int count = 0;
+    for (std::size_t p = 0; p < part.pieces.size(); ++p) {
+        if (ray_row < part.counted[p].first || ray_row >= part.counted[p].last)
+            continue;
+        const SweepPiece& piece = part.pieces[p];
+        const std::size_t s = static_cast<std::size_t>(piece.slice - first_slice_);
+        const int v = ray_row + g.v.first_ray + piece.shift_v;
+        const std::size_t pair_row = pair_at_[s] + static_cast<std::size_t>(v - pair_rows_[s].first);
+        MarchRow& row = rows[static_cast<std::size_t>(count++)];
+        row.pairs = pairs_.data() + (static_cast<std::ptrdiff_t>(pair_row * pair_stride_) + pair_row_margin +
+                                     2 * (edge_voxels + g.u.first_ray + piece.shift_u));
+        std::copy(std::begin(piece.weight), std::end(piece.weight), std::begin(row.weight));
+        row.counted = part.edge_rays.data() + p * part.edge.size();
     }
-    for (int ray_row = first; ray_row < last; ++ray_row) {
-        int count = 0;
-        for (std::size_t p = 0; p < pieces.size(); ++p) {
-            if (ray_row < counted[p].first || ray_row >= counted[p].last)
-                continue;
-            const SweepPiece& piece = pieces[p];
-            const std::size_t slice = static_cast<std::size_t>(piece.slice);
-            const std::size_t s = slice - static_cast<std::size_t>(first_slice_);
-            const int v = ray_row + g.v.first_ray + piece.shift_v;
-            MarchRow& row = at[static_cast<std::size_t>(count)];
-            row.first = g.u.first[slice];
-            row.last = g.u.last[slice];
-            if (row.first >= row.last)
-                continue;
-            const std::size_t pair_row = pair_at_[s] + static_cast<std::size_t>(v - pair_rows_[s].first);
-            row.pairs = pairs_.data() + (static_cast<std::ptrdiff_t>(pair_row * pair_stride_) + pair_row_margin +
-                                         2 * (edge_voxels + g.u.first_ray + piece.shift_u));
-            for (int k = 0; k < 4; ++k)
-                row.weight[k] = piece.weight[k];
-            ++count;
-        }
-        std::int32_t* rays = plane.row(ray_row);
-        kernels_.march(rays, rays + plane.half_row(), at.data(), count);
-    }
+    std::int32_t* rays = plane.row(ray_row);
+    kernels_.march(rays, rays + plane.half_row(), rows.data(), count, part.blocks);
 }
 
 } // namespace lumisweep

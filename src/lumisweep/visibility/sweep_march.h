@@ -98,21 +98,32 @@ private:
     struct Span {
         int first, last;
     };
+    /// A plane's part in the strip and slab under way.
+    struct Part {
+        std::span<const SweepPiece> pieces;   ///< at most march_slices of the slab
+        Span rows;                            ///< ray rows of the strip
+        int voxel_row;                        ///< of ray row 0, in the last piece
+        std::vector<Span> counted;            ///< [piece] ray rows that count it
+        std::vector<int> edge;                ///< as in MarchBlocks
+        std::vector<std::uint32_t> edge_rays; ///< [piece][edge block]
+        MarchBlocks blocks;
+    };
     Span ray_rows(const RayPlane& plane, const Strip& strip, int slab) const;
-    void make_pairs(std::span<RayPlane> planes, const Strip& strip, int slab);
-    void march(RayPlane& plane, Span rows, int slab, SweepStats& stats);
+    void place(const RayPlane& plane, const Strip& strip, int slab, std::size_t first_piece, Part& part) const;
+    static void place_blocks(const SweepAxis& u, Part& part);
+    void make_pairs(std::span<RayPlane> planes);
+    void march(std::span<RayPlane> planes, SweepStats& stats);
+    void march_row(RayPlane& plane, const Part& part, int ray_row);
 
     const MarchedLevel& level_;
     const SweepKernels& kernels_;
     const std::atomic<bool>* cancel_;
-    std::vector<Span> spans_;          // [plane] ray rows of the strip and slab under way
-    int first_slice_ = 0;              // of the slab
-    std::vector<Span> pair_rows_;      // [slice of the slab] pairs (v, v + 1) that are there
-    std::vector<std::size_t> pair_at_; // [slice of the slab] where they begin
+    std::vector<Part> parts_;          // [plane]
+    int first_slice_ = 0;              // of the parts
+    std::vector<Span> pair_rows_;      // [slice] pairs (v, v + 1) that are there
+    std::vector<std::size_t> pair_at_; // [slice] where they begin
     std::size_t pair_stride_ = 0;
     AlignedArray<std::uint8_t> pairs_;
-    std::vector<MarchRow> march_rows_;
-    std::vector<Span> counted_;
 };
 
 } // namespace lumisweep

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "lumisweep/base/stopwatch.h"
 
@@ -92,13 +93,13 @@ void PairVisibility::look_up(RayPlane& plane, int slice, SweepStats& stats)
     side.depth = static_cast<float>(depth);
     side.weight = static_cast<float>(weight_at(depth));
     side.count = cells_u_;
+    side.scale = static_cast<float>(level_.extinction_of_one * g.slice_world * std::numbers::log2e);
     // Rows of rays that run from one end to the other see the sides of u only.
     side.row_begin[0] = side.row_begin[1] = side.row_enter = 0.0F;
     side.row_end[0] = side.row_end[1] = whole;
     side.row_leave = static_cast<float>(g.slices);
     kernels_.side_factors(forwards_.data(), backwards_.data(), side);
 
-    const float scale = static_cast<float>(level_.extinction_of_one * g.slice_world);
     for (int row = 0; row < cells_v_; ++row) {
         const std::size_t r = static_cast<std::size_t>(row);
         const float *forwards = forwards_.data(), *backwards = backwards_.data();
@@ -119,10 +120,10 @@ void PairVisibility::look_up(RayPlane& plane, int slice, SweepStats& stats)
         const float* tau = plane.tau_of(slice, row);
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(row) * cells_u_;
         if (low_ != nullptr)
-            kernels_.to_visibility(slice_low_.data() + at, nullptr, tau, forwards, scale, cells_u_);
+            kernels_.to_visibility(slice_low_.data() + at, tau, forwards, cells_u_);
         if (high_ != nullptr) {
             plane.look_up(kernels_, slice, row, total_.data());
-            kernels_.to_visibility(slice_high_.data() + at, total_.data(), tau, backwards, scale, cells_u_);
+            kernels_.to_visibility_of_rest(slice_high_.data() + at, total_.data(), tau, backwards, cells_u_);
         }
     }
 }

@@ -81,7 +81,7 @@ TEST(JointGridTest, IsItsDefinitionToTheBit)
                 const PlainJoint plain(visibility, light, factor, 0.1F);
                 for (const JointKernel* const* kernel = joint_kernels(); *kernel != nullptr; ++kernel) {
                     JointGrid joint;
-                    joint.build(visibility, size, light, factor, 0.1F, **kernel);
+                    joint.build(visibility, size, light, factor, 0.1F, nullptr, **kernel);
                     EXPECT_TRUE(same_as(joint, plain))
                         << (*kernel)->name << ", " << n << ", " << size.x << " x " << size.y << " x " << size.z;
                 }
@@ -99,7 +99,7 @@ TEST(JointGridTest, StreamsLargeGrids)
     const PlainJoint plain(visibility, light, JointFactor::visibility_times_light, 0.01F);
     for (const JointKernel* const* kernel = joint_kernels(); *kernel != nullptr; ++kernel) {
         JointGrid joint;
-        joint.build(visibility, size, light, JointFactor::visibility_times_light, 0.01F, **kernel);
+        joint.build(visibility, size, light, JointFactor::visibility_times_light, 0.01F, nullptr, **kernel);
         ASSERT_GT(joint.bytes(), std::size_t{20} << 20);
         EXPECT_TRUE(same_as(joint, plain)) << (*kernel)->name;
     }
@@ -122,6 +122,19 @@ TEST(JointGridTest, RebuildsInPlaceAndForgetsTheOld)
         EXPECT_TRUE(same_as(joint, PlainJoint(reshaped, light, JointFactor::visibility_times_light, 0.1F))) << n;
         EXPECT_EQ(joint.bytes(), JointGrid::bytes_needed(reshaped.cell_count(), n));
     }
+}
+
+TEST(JointGridTest, CancelledItIsIncomplete)
+{
+    const Vec3i size{64, 64, 20};
+    const Environment light = random_light(8);
+    const VisibilityGrid visibility = random_visibility(size, 1, 8, 6);
+    JointGrid joint;
+    std::atomic<bool> cancel = true;
+    EXPECT_FALSE(joint.build(visibility, size, light, JointFactor::visibility_times_light, 0.1F, &cancel));
+    cancel = false;
+    EXPECT_TRUE(joint.build(visibility, size, light, JointFactor::visibility_times_light, 0.1F, &cancel));
+    EXPECT_TRUE(same_as(joint, PlainJoint(visibility, light, JointFactor::visibility_times_light, 0.1F)));
 }
 
 } // namespace

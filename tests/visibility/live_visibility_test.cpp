@@ -157,5 +157,41 @@ TEST(LiveVisibilityConcurrency, RefusesAGridOfAnotherShape)
     EXPECT_EQ(live.published(), 0U);
 }
 
+// From the flag to the return, at moments spread over classification and sweeps.
+TEST(LiveVisibilityConcurrency, CancelsWithin20Milliseconds)
+{
+    using Clock = std::chrono::steady_clock;
+    const int side = test::full_effort ? 256 : 96;
+    LiveSweepInput input = ct_input({side, side, side}, 8, 2);
+    input.visibility.cell = 2;
+    LiveVisibility live(VisibilityGrid(input.volume->size(), input.visibility.cell, 8), 24);
+    std::vector<double> waits_s;
+    for (int i = 0; i < 15; ++i) {
+        std::atomic<bool> cancel = false, started = false;
+        Clock::time_point returned;
+        bool complete = true;
+        LiveSweepStats stats;
+        std::thread sweeper([&] {
+            started = true;
+            complete = sweep_live(live, input, cancel, stats);
+            returned = Clock::now();
+        });
+        while (!started)
+            std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(3 * i));
+        const Clock::time_point asked = Clock::now();
+        cancel = true;
+        sweeper.join();
+        if (!complete)
+            waits_s.push_back(std::chrono::duration<double>(returned - asked).count());
+    }
+    ASSERT_GE(waits_s.size(), 5U);
+    // Other programs may take the processor away for a moment; a sweep that looks too rarely is late every time.
+    std::sort(waits_s.begin(), waits_s.end());
+    if (test::full_effort) {
+        EXPECT_LT(waits_s[waits_s.size() / 2], 0.020) << "the latest: " << waits_s.back();
+    }
+}
+
 } // namespace
 } // namespace lumisweep

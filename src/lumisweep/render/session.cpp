@@ -138,7 +138,7 @@ void Session::prepare(const std::atomic<bool>* cancel)
         if (!s.background.wait(cancel))
             return;
     }
-    s.update_joint();
+    s.update_joint(cancel);
 }
 
 PassEnd Session::render_pass(const std::atomic<bool>* cancel)
@@ -151,7 +151,7 @@ PassEnd Session::render_pass(const std::atomic<bool>* cancel)
         s.update_majorants();
         if (s.needs_joint()) {
             s.sweep_in_background();
-            s.update_joint();
+            s.update_joint(cancel);
         }
     }
     if (cancel != nullptr && cancel->load())

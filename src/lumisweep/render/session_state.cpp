@@ -129,9 +129,12 @@ bool Session::State::sweep_now(const std::atomic<bool>* cancel)
     ExtinctionGrid extinction;
     {
         const Stopwatch watch(stats.classify_s);
-        extinction = classify(*input.volume, raw_range, input.transfer_function, sweep_mip_level(size, settings.rays));
+        extinction = classify(*input.volume, raw_range, input.transfer_function, sweep_mip_level(size, settings.rays),
+                              ExtinctionLayouts::with_transposed, cancel);
         ++stats.classifications;
     }
+    if (cancel != nullptr && cancel->load())
+        return false;
     const Stopwatch watch(stats.sweep_s);
     fit_visibility();
     stats.last_sweep = sweep_visibility(visibility->settled(), extinction, settings, {}, cancel);
@@ -168,7 +171,7 @@ void Session::State::drop_sweep()
     stale_visibility = true;
 }
 
-void Session::State::update_joint()
+void Session::State::update_joint(const std::atomic<bool>* cancel)
 {
     const bool ended = sweeping && !background.busy(); // looked at before what is published
     const std::uint64_t published = visibility->published();
@@ -178,15 +181,17 @@ void Session::State::update_joint()
             const Stopwatch watch(joint_build_s);
             const JointFactor factor =
                 strategy() == Strategy::visibility ? JointFactor::visibility_only : JointFactor::visibility_times_light;
-            stale_joint = true; // in case of std::bad_alloc
+            stale_joint = true; // unless all goes well
             visibility->read([&](const VisibilityGrid& grid) {
-                joint.build(grid, input.volume->size(), *light, factor, input.visibility.epsilon);
+                stale_joint =
+                    !joint.build(grid, input.volume->size(), *light, factor, input.visibility.epsilon, cancel);
             });
         }
+        if (stale_joint)
+            return;
         stats.joint_s += joint_build_s;
         ++stats.joint_builds;
         stats.joint_bytes = joint.bytes();
-        stale_joint = false;
         published_in_joint = published;
     }
     if (!ended)

@@ -57,7 +57,7 @@ struct Session::State {
     void drop_sweep();
     /// Brings the joint grid up to date with what is published. When nothing but published directions has changed, not
     /// more than every other second goes into that, until all are there.
-    void update_joint();
+    void update_joint(const std::atomic<bool>* cancel);
     /// Takes a grid of the input's shape in place of the present one.
     void use_visibility(VisibilityGrid grid);
     /// Throws what the background sweep has thrown, once.

@@ -44,8 +44,8 @@ std::size_t JointGrid::bytes_needed(std::size_t cell_count, int directions_per_s
     return cell_count * sizeof(float) * (1 + nodes_of(std::countr_zero(static_cast<unsigned>(directions_per_side))));
 }
 
-void JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const Environment& environment,
-                      JointFactor factor, double epsilon, const JointKernel& kernel)
+bool JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const Environment& environment,
+                      JointFactor factor, double epsilon, const std::atomic<bool>* cancel, const JointKernel& kernel)
 {
     LUMISWEEP_EXPECT(epsilon > 0.0);
     LUMISWEEP_EXPECT(environment.resolution() >= visibility.directions_per_side());
@@ -54,8 +54,8 @@ void JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const
     const std::size_t node_count = nodes_of(levels);
     if (root_.size() != cell_count || nodes_.size() != cell_count * node_count) {
         *this = JointGrid(); // the old one first: each may be as large as the volume
-        AlignedArray<float> root(cell_count);
-        nodes_ = AlignedArray<float>(cell_count * node_count);
+        AlignedArray<float> root(cell_count, Contents::uninitialised);
+        nodes_ = AlignedArray<float>(cell_count * node_count, Contents::uninitialised);
         root_ = std::move(root);
     }
     cells_ = visibility.cells();
@@ -71,7 +71,7 @@ void JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const
             root_[cell] =
                 (static_cast<float>(visibility.direction(0)[cell]) * (1.0F / 255.0F) + static_cast<float>(epsilon)) *
                 light[0];
-        return;
+        return true;
     }
     std::vector<const std::uint8_t*> directions;
     for (int d = 0; d < visibility.direction_count(); ++d)
@@ -86,8 +86,10 @@ void JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const
     work.root = root_.data();
     work.stores = nodes_.bytes() > streamed_bytes ? JointStores::streaming : JointStores::cached;
     parallel_for(std::size_t{0}, (cell_count + cells_a_piece - 1) / cells_a_piece, [&](std::size_t piece) {
-        kernel.build(work, piece * cells_a_piece, std::min((piece + 1) * cells_a_piece, cell_count));
+        if (cancel == nullptr || !cancel->load(std::memory_order_relaxed))
+            kernel.build(work, piece * cells_a_piece, std::min((piece + 1) * cells_a_piece, cell_count));
     });
+    return cancel == nullptr || !cancel->load(std::memory_order_relaxed);
 }
 
 JointView JointGrid::view() const

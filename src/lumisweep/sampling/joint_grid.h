@@ -2,6 +2,7 @@
 // paper, section 7).
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 
 #include "lumisweep/base/aligned.h"
@@ -39,13 +40,15 @@ public:
 
     /// Replaces the whole product, in place when the shape is the same. `volume_size` in voxels. The environment must
     /// have at least as many texels a side as the grid has directions, and a mean luminance > 0 unless the factor is
-    /// visibility_only. epsilon > 0 keeps every direction possible. After std::bad_alloc the grid is empty.
+    /// visibility_only. epsilon > 0 keeps every direction possible. After std::bad_alloc the grid is empty. False, with
+    /// some cells old and some new, when *cancel became true.
     ///
     /// There is no update of single directions: the nodes of a cell are a few cache lines, so that changing two
     /// directions moves more memory than building everything with streaming stores (measured: one 49 ms, four 75 ms,
     /// all of 64 directions 41 ms for 128 × 128 × 115 cells).
-    void build(const VisibilityGrid& visibility, Vec3i volume_size, const Environment& environment, JointFactor factor,
-               double epsilon, const JointKernel& kernel = *joint_kernels()[0]);
+    bool build(const VisibilityGrid& visibility, Vec3i volume_size, const Environment& environment, JointFactor factor,
+               double epsilon, const std::atomic<bool>* cancel = nullptr,
+               const JointKernel& kernel = *joint_kernels()[0]);
 
     static std::size_t bytes_needed(std::size_t cell_count, int directions_per_side);
     JointView view() const;

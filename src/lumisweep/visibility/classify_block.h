@@ -57,6 +57,7 @@ ClassifyBlock widest_classify_block();
 
 /// classify() with the given loops.
 ExtinctionGrid classify_with(ClassifyBlock block, const ScalarGrid& volume, const RawRange& range,
-                             const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts);
+                             const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts,
+                             const std::atomic<bool>* cancel = nullptr);
 
 } // namespace lumisweep

@@ -79,12 +79,14 @@ void use_segments(ClassifyJob& job, const ScalarGrid& volume, const TransferFunc
     }
 }
 
-void classify_blocks(ClassifyBlock block, const ClassifyJob& job)
+void classify_blocks(ClassifyBlock block, const ClassifyJob& job, const std::atomic<bool>* cancel)
 {
     // A row of finest voxels in whole vectors or in whole level voxels (halved twice at most).
     const int row = std::max((job.volume_size.x + 15) / 16 * 16, job.size.x << std::min(job.mip_level, 2));
     const int blocks = (job.size.y + classify_block_rows - 1) / classify_block_rows;
     parallel_for(0, job.size.z * blocks, [&](int task) {
+        if (cancel != nullptr && cancel->load(std::memory_order_relaxed))
+            return;
         AlignedArray<std::int32_t> steps(2 * static_cast<std::size_t>(row));
         AlignedArray<std::uint64_t> sums(static_cast<std::size_t>(job.size.x));
         block(job, task / blocks, task % blocks * classify_block_rows, {steps.data(), sums.data()});
@@ -94,13 +96,14 @@ void classify_blocks(ClassifyBlock block, const ClassifyJob& job)
 } // namespace
 
 ExtinctionGrid classify(const ScalarGrid& volume, const RawRange& range, const TransferFunction& transfer_function,
-                        int mip_level, ExtinctionLayouts layouts)
+                        int mip_level, ExtinctionLayouts layouts, const std::atomic<bool>* cancel)
 {
-    return classify_with(widest_classify_block(), volume, range, transfer_function, mip_level, layouts);
+    return classify_with(widest_classify_block(), volume, range, transfer_function, mip_level, layouts, cancel);
 }
 
 ExtinctionGrid classify_with(ClassifyBlock block, const ScalarGrid& volume, const RawRange& range,
-                             const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts)
+                             const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts,
+                             const std::atomic<bool>* cancel)
 {
     require(mip_level >= 0 && mip_level <= 13, "classify: mip level {} (use 0 to 13)", mip_level);
     ExtinctionGrid grid;
@@ -133,7 +136,7 @@ ExtinctionGrid classify_with(ClassifyBlock block, const ScalarGrid& volume, cons
     job.size = grid.size;
     job.stored = grid.stored.data();
     job.transposed = transposed ? grid.transposed.data() : nullptr;
-    classify_blocks(block, job);
+    classify_blocks(block, job, cancel);
     return grid;
 }
 

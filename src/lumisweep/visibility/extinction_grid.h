@@ -1,6 +1,7 @@
 // The classified volume that sweeps march through: extinction per level voxel in 8 bits, one mip level.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -31,8 +32,10 @@ enum class ExtinctionLayouts { straight, with_transposed };
 /// Averages the extinction of 2^mip_level finest voxels a side and rounds once. Finest voxels missing at an odd end
 /// count as empty, so that extinction × length is kept; so do voxels that are not finite. `range` is raw_range(volume):
 /// 255 steps are the largest extinction that the transfer function has in it. The result is the same for any number of
-/// threads and every instruction set. Throws Error for a level outside of 0 … 13.
+/// threads and every instruction set. Throws Error for a level outside of 0 … 13. When *cancel becomes true, returns
+/// early with a grid that is of no use.
 ExtinctionGrid classify(const ScalarGrid& volume, const RawRange& range, const TransferFunction& transfer_function,
-                        int mip_level, ExtinctionLayouts layouts = ExtinctionLayouts::with_transposed);
+                        int mip_level, ExtinctionLayouts layouts = ExtinctionLayouts::with_transposed,
+                        const std::atomic<bool>* cancel = nullptr);
 
 } // namespace lumisweep

@@ -48,8 +48,11 @@ bool sweep_all(LiveVisibility& grid, const LiveSweepInput& input, const std::ato
     {
         const Stopwatch watch(stats.classify_s);
         extinction = classify(*input.volume, input.range, input.transfer_function,
-                              sweep_mip_level(input.volume->size(), input.visibility.rays));
+                              sweep_mip_level(input.volume->size(), input.visibility.rays),
+                              ExtinctionLayouts::with_transposed, &cancel);
     }
+    if (cancel.load(std::memory_order_relaxed))
+        return false;
     const Stopwatch watch(stats.sweep_s);
     for (const std::vector<int>& batch : batches(sweep_groups(extinction, input.visibility), input.threads,
                                                  static_cast<std::size_t>(grid.spare_slots()))) {

@@ -54,7 +54,8 @@ VisibilityGrid& LiveVisibility::stage(std::span<const int> directions)
     const int own = grid_.direction_count();
     if (spare_.empty()) {
         spare_ = AlignedArray<std::uint8_t>(VisibilityGrid::direction_stride(grid_.cell_count_) *
-                                            static_cast<std::size_t>(spare_count_));
+                                                static_cast<std::size_t>(spare_count_),
+                                            Contents::uninitialised);
         staging_.cells_ = grid_.cells_;
         staging_.cell_count_ = grid_.cell_count_;
         staging_.n_ = grid_.n_;

@@ -28,7 +28,7 @@ VisibilityGrid::VisibilityGrid(Vec3i volume_size, int voxels_per_cell, int direc
     n_ = directions_per_side;
     cell_count_ =
         static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y) * static_cast<std::size_t>(cells_.z);
-    stored_ = AlignedArray<std::uint8_t>(bytes_needed(cell_count_, n_));
+    stored_ = AlignedArray<std::uint8_t>(bytes_needed(cell_count_, n_), Contents::uninitialised);
     std::memset(stored_.data(), 255, stored_.size());
     for (int d = 0; d < direction_count(); ++d)
         directions_.push_back(stored_.data() + static_cast<std::size_t>(d) * direction_stride(cell_count_));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -253,6 +254,7 @@ struct SideCase {
         row.fraction_rows = random_floats(random, 1, 0.0F, 1.0F)[0];
         row.depth = random_floats(random, 1, 0.0F, 50.0F)[0];
         row.weight = std::floor(row.depth * 127.0F);
+        row.scale = random_floats(random, 1, 0.01F, 2.0F)[0];
         row.count = count;
     }
 };
@@ -296,13 +298,58 @@ TEST(SweepKernels, SideFactorsAreLengthPerWeight)
                 until += f * g * std::max(0.0, std::min(end, at) - begin);
                 from += f * g * std::max(0.0, end - std::max(begin, at));
             }
+            const double scale = sides.row.scale;
             const double enter = std::max(sides.enter[c], sides.row.row_enter);
             const double leave = std::min(sides.leave[c], sides.row.row_leave);
             const double before = std::max(0.0, sides.row.depth - enter);
             const double behind = std::max(0.0, leave - sides.row.depth);
-            EXPECT_NEAR(forwards[c], until > 0.0 ? before / until : 0.0, 1e-5 * forwards[c] + 1e-9);
-            EXPECT_NEAR(backwards[c], from > 0.0 ? behind / from : 0.0, 1e-5 * backwards[c] + 1e-9);
+            EXPECT_NEAR(forwards[c], until > 0.0 ? scale * before / until : 0.0, 1e-5 * forwards[c] + 1e-9);
+            EXPECT_NEAR(backwards[c], from > 0.0 ? scale * behind / from : 0.0, 1e-5 * backwards[c] + 1e-9);
         }
+    }
+}
+
+TEST(SweepKernels, VisibilityIsTheExponential)
+{
+    // Optical depths from 0 to beyond where single precision ends, by steps that meet every fraction of a power of two;
+    // rounding leaves less than nothing now and then.
+    std::vector<float> tau{-3.0F, -1e-6F, 0.0F, 1e-9F, 500.0F, 1e30F};
+    for (int i = 0; i < 20000; ++i)
+        tau.push_back(static_cast<float>(i) * 0.00517F);
+    const int count = static_cast<int>(tau.size());
+    const std::vector<float> factor(tau.size(), std::numbers::log2e_v<float>);
+    std::vector<float> total(tau.size());
+    std::transform(tau.begin(), tau.end(), total.begin(), [](float x) { return 2.0F * x; });
+    for (const SweepKernels* kernels : runnable_kernels()) {
+        std::vector<std::uint16_t> visibility(tau.size()), rest(tau.size());
+        kernels->to_visibility(visibility.data(), tau.data(), factor.data(), count);
+        kernels->to_visibility_of_rest(rest.data(), total.data(), tau.data(), factor.data(), count);
+        for (std::size_t i = 0; i < tau.size(); ++i) {
+            const double exact = std::exp(-std::max(0.0, static_cast<double>(tau[i])));
+            // Half a step, and the relative error of sweep_kernel_impl.h's cubic.
+            ASSERT_NEAR(visibility[i], whole_visibility * exact, 0.5 + 1.2e-4 * whole_visibility * exact)
+                << kernels->name << ", optical depth " << tau[i];
+        }
+        ASSERT_EQ(rest, visibility) << kernels->name;
+    }
+}
+
+TEST(SweepKernels, VisibilityIsTheSameForEveryInstructionSet)
+{
+    std::mt19937 random(6);
+    for (const int count : awkward_counts()) {
+        const std::vector<float> tau = random_floats(random, count, 0.0F, 2e6F);
+        const std::vector<float> total = random_floats(random, count, 1e6F, 4e6F);
+        const std::vector<float> factor = random_floats(random, count, 0.0F, 6e-6F);
+        const auto run = [&](const SweepKernels& kernels) {
+            std::vector<std::uint16_t> out(static_cast<std::size_t>(2 * count));
+            kernels.to_visibility(out.data(), tau.data(), factor.data(), count);
+            kernels.to_visibility_of_rest(out.data() + count, total.data(), tau.data(), factor.data(), count);
+            return out;
+        };
+        const std::vector<std::uint16_t> expected = run(sweep_kernels_baseline);
+        for (const SweepKernels* kernels : runnable_kernels())
+            ASSERT_EQ(run(*kernels), expected) << kernels->name << ", " << count << " cells";
     }
 }
 

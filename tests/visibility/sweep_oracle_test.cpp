@@ -1,0 +1,184 @@
+// The sweep against slow versions of itself.
+#include "sweep_oracle.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <initializer_list>
+#include <ostream>
+#include <random>
+#include <vector>
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "generated_volumes.h"
+#include "kernel_tables.h"
+#include "lumisweep/visibility/sweep.h"
+
+namespace lumisweep {
+namespace {
+
+using namespace test;
+
+/// A sweep made from its number alone.
+struct SweepCase {
+    std::uint32_t number;
+    std::mt19937 random;
+    VisibilitySettings settings;
+    ExtinctionGrid extinction;
+    std::vector<int> compared; // directions
+    std::vector<int> subset;   // some of them, and others
+
+    explicit SweepCase(std::uint32_t case_number) : number(case_number), random(case_number)
+    {
+        const int kind = integer(0, 9);
+        settings.directions = pick({1, 2, 4, 4, 8, 8, 8, 16, 32});
+        settings.cell = pick({1, 1, 2, 2, 3, 4, 4, 4, 5, 6, 7, 8, 8, 9, 13, 64});
+        settings.filter = pick({SweepFilter::none, SweepFilter::half_angle, SweepFilter::full_angle});
+        settings.oversampling = kind == 0 ? pick({4, 16}) : 1;
+        const int longest = kind == 0 ? 30 : settings.cell == 1 ? 41 : 71;
+        const auto side = [&] { return integer(0, 5) == 0 ? integer(1, 3) : integer(1, longest); };
+        extinction.volume_size = {side(), side(), side()};
+        if (kind == 1) { // many strips
+            const auto short_side = [&] { return integer(1, 16); };
+            extinction.volume_size = {short_side(), short_side(), short_side()};
+            Vec3i& size = extinction.volume_size;
+            *pick({&size.x, &size.y, &size.z}) = integer(100, 300);
+        }
+        if (integer(0, 3) == 0) { // cells of a whole number of voxels
+            Vec3i& size = extinction.volume_size;
+            const auto whole = [&](int n) { return std::max(n / settings.cell, 1) * settings.cell; };
+            size = {whole(size.x), whole(size.y), whole(size.z)};
+        }
+        const Vec3i size = extinction.volume_size;
+        settings.rays = 8192;
+        int left = std::max({size.x, size.y, size.z});
+        for (int halvings = pick({0, 0, 0, 1, 1, 2, 3}); halvings > 0; --halvings)
+            settings.rays = left = std::max((left + 1) / 2, 1);
+        extinction.mip_level = sweep_mip_level(size, settings.rays);
+        const auto level_side = [&](int n) { return (n + (1 << extinction.mip_level) - 1) >> extinction.mip_level; };
+        extinction.size = {level_side(size.x), level_side(size.y), level_side(size.z)};
+        place();
+        fill();
+        const int n = settings.directions * settings.directions;
+        for (int i = 0; i < (settings.oversampling == 16 ? 2 : 6); ++i)
+            compared.push_back(integer(0, n - 1));
+        subset = compared;
+        for (int i = 0; i < 4; ++i)
+            subset.push_back(integer(0, n - 1));
+    }
+
+    int integer(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); }
+    double real(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
+    template <class T>
+    T pick(std::initializer_list<T> from)
+    {
+        return from.begin()[integer(0, static_cast<int>(from.size()) - 1)];
+    }
+
+    void place()
+    {
+        Affine3d& world = extinction.world_from_voxel;
+        switch (integer(0, 3)) {
+        case 0: break;
+        case 1: world = spaced({real(0.3, 3.0), real(0.3, 3.0), real(0.3, 3.0)}); break;
+        case 2: world = oblique(); break;
+        default: // sheared and mirrored somehow, but with a volume
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto s = [&] { return real(-0.35, 0.35); };
+                Vec3d column{s(), s(), s()};
+                (axis == 0 ? column.x : axis == 1 ? column.y : column.z) = pick({-1.0, 1.0}) * real(0.8, 1.6);
+                world.column[axis] = column;
+            }
+        }
+    }
+
+    void fill()
+    {
+        const Vec3i& size = extinction.size;
+        const std::size_t x = static_cast<std::size_t>(size.x), y = static_cast<std::size_t>(size.y);
+        const std::size_t z = static_cast<std::size_t>(size.z);
+        extinction.stored = AlignedArray<std::uint8_t>(x * y * z);
+        extinction.transposed = AlignedArray<std::uint8_t>(x * y * z);
+        const int kind = integer(0, 3), rare = integer(1, 200);
+        for (std::uint8_t& voxel : extinction.stored)
+            voxel = static_cast<std::uint8_t>(kind == 0   ? 255
+                                              : kind == 1 ? (integer(0, rare) == 0 ? 255 : 0)
+                                                          : integer(0, 255));
+        for (std::size_t k = 0; k < z; ++k)
+            for (std::size_t j = 0; j < y; ++j)
+                for (std::size_t i = 0; i < x; ++i)
+                    extinction.transposed[(i * z + k) * y + j] = extinction.stored[(k * y + j) * x + i];
+        // Optical depths about 1, to the far end or less far.
+        const double mean = kind == 1 ? 255.0 / (rare + 1) : 128.0;
+        extinction.scale = static_cast<float>(real(0.3, 10.0) / (mean * std::max({size.x, size.y, size.z})));
+    }
+};
+
+std::ostream& operator<<(std::ostream& out, const SweepCase& c)
+{
+    const Vec3i size = c.extinction.volume_size;
+    return out << "case " << c.number << ": " << size.x << " x " << size.y << " x " << size.z << " voxels, cell "
+               << c.settings.cell << ", directions " << c.settings.directions << ", mip level "
+               << c.extinction.mip_level << ", filter " << static_cast<int>(c.settings.filter) << ", oversampling "
+               << c.settings.oversampling;
+}
+
+VisibilityGrid empty_grid(const SweepCase& c)
+{
+    return VisibilityGrid(c.extinction.volume_size, c.settings.cell, c.settings.directions);
+}
+
+::testing::AssertionResult equal_in(int direction, const VisibilityGrid& grid, const std::uint8_t* expected)
+{
+    for (std::size_t i = 0; i < grid.cell_count(); ++i)
+        if (grid.direction(direction)[i] != expected[i])
+            return ::testing::AssertionFailure()
+                   << "direction " << direction << ", cell " << i << " of " << grid.cells().x << " x " << grid.cells().y
+                   << " x " << grid.cells().z << ": " << int{grid.direction(direction)[i]} << ", not "
+                   << int{expected[i]};
+    return ::testing::AssertionSuccess();
+}
+
+/// Everything that a direction's V must not depend on.
+void expect_same_bits(SweepCase& c)
+{
+    VisibilityGrid all = empty_grid(c);
+    tbb::task_arena(1).execute([&] { sweep_visibility(all, c.extinction, c.settings); });
+    for (const int d : c.compared)
+        ASSERT_TRUE(equal_in(d, all, sweep_in_integers(c.extinction, c.settings, d).data())) << c;
+    for (const SweepKernels* kernels : runnable_kernels()) {
+        VisibilityGrid grid = empty_grid(c);
+        tbb::task_arena(c.integer(1, 5)).execute([&] {
+            sweep_visibility_with(*kernels, grid, c.extinction, c.settings, c.subset);
+        });
+        for (int d = 0; d < grid.direction_count(); ++d) {
+            const bool chosen = std::find(c.subset.begin(), c.subset.end(), d) != c.subset.end();
+            const std::vector<std::uint8_t> untouched(grid.cell_count(), 255);
+            ASSERT_TRUE(equal_in(d, grid, chosen ? all.direction(d) : untouched.data())) << kernels->name << ", " << c;
+        }
+    }
+    VisibilityGrid grid = empty_grid(c);
+    for (int d = 0; d < grid.direction_count(); ++d)
+        std::memset(grid.direction(d), 1, grid.cell_count());
+    tbb::task_arena(c.integer(2, 4)).execute([&] {
+        for (const std::vector<int>& group : sweep_groups(c.extinction, c.settings))
+            sweep_visibility(grid, c.extinction, c.settings, group);
+    });
+    for (int d = 0; d < grid.direction_count(); ++d)
+        ASSERT_TRUE(equal_in(d, grid, all.direction(d))) << "in groups, " << c;
+}
+
+TEST(SweepOracle, EqualsPlainLoopsToTheBit)
+{
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 8); // more than there may be cores
+    for (std::uint32_t number = 1; number <= 150 && !HasFatalFailure(); ++number) {
+        SweepCase c(number);
+        expect_same_bits(c);
+    }
+}
+
+} // namespace
+} // namespace lumisweep

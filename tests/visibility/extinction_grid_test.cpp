@@ -199,7 +199,9 @@ TEST(Classify, SameForEveryInstructionSet)
     const auto expect_same = [&](const ScalarGrid& volume, const TransferFunction& tf) {
         for (const int level : {0, 1, 2, 3, 5}) {
             const auto with = [&](ClassifyBlock block) {
-                return classify_with(block, volume, raw_range(volume), tf, level, ExtinctionLayouts::with_transposed);
+                ExtinctionGrid grid;
+                classify_with(block, grid, volume, raw_range(volume), tf, level, ExtinctionLayouts::with_transposed);
+                return grid;
             };
             const ExtinctionGrid expected = with(classify_block_baseline);
             cases_with_extinction += total(expected) > 0.0 ? 1 : 0;
@@ -287,6 +289,49 @@ TEST(Classify, HostileRanges)
     std::fill_n(constant.voxels<std::int16_t>(), 27, std::int16_t{32767});
     EXPECT_EQ(total(classified(constant, TransferFunction({{0.0, 0.0}, {32767.0, 2.0}}))), 27.0 * 255.0);
     EXPECT_EQ(total(classified(constant, TransferFunction({{0.0, 0.0}, {32768.0, 2.0}, {1e9, 0.0}}))), 27.0 * 255.0);
+}
+
+TEST(Classify, IntoAnyGridMadeBefore)
+{
+    ExtinctionGrid grid;
+    const auto expect_same = [&](const ScalarGrid& volume, const TransferFunction& tf, int level,
+                                 ExtinctionLayouts layouts) {
+        const ExtinctionGrid expected = classified(volume, tf, level, layouts);
+        EXPECT_TRUE(classify_into(grid, volume, raw_range(volume), tf, level, layouts));
+        EXPECT_EQ(grid.volume_size, expected.volume_size);
+        EXPECT_EQ(grid.size, expected.size);
+        EXPECT_EQ(grid.mip_level, expected.mip_level);
+        EXPECT_EQ(grid.scale, expected.scale);
+        ASSERT_EQ(grid.bytes(), expected.bytes());
+        EXPECT_TRUE(std::equal(expected.stored.begin(), expected.stored.end(), grid.stored.begin()));
+        EXPECT_TRUE(std::equal(expected.transposed.begin(), expected.transposed.end(), grid.transposed.begin()));
+    };
+    const ScalarGrid small = smoke_like({33, 70, 5}, oblique()), large = smoke_like({170, 190, 160}, Affine3d{});
+    const TransferFunction nothing({{0.0, 0.0}});
+    expect_same(small, smoke(), 0, ExtinctionLayouts::with_transposed);
+    const std::uint8_t* memory = grid.stored.data();
+    expect_same(small, nothing, 0, ExtinctionLayouts::with_transposed);
+    expect_same(small, bone(), 0, ExtinctionLayouts::straight);
+    EXPECT_EQ(grid.stored.data(), memory);
+    expect_same(large, smoke(), 0, ExtinctionLayouts::with_transposed);
+    expect_same(large, nothing, 0, ExtinctionLayouts::with_transposed);
+    expect_same(large, smoke(), 1, ExtinctionLayouts::with_transposed);
+    expect_same(large, nothing, 0, ExtinctionLayouts::straight);
+}
+
+TEST(Classify, CanBeCancelled)
+{
+    const ScalarGrid volume = smoke_like({16, 16, 16}, Affine3d{});
+    ExtinctionGrid grid;
+    std::atomic<bool> cancel{true};
+    const auto into = [&] {
+        return classify_into(grid, volume, raw_range(volume), smoke(), 0, ExtinctionLayouts::straight, &cancel);
+    };
+    EXPECT_FALSE(into());
+    cancel = false;
+    EXPECT_TRUE(into());
+    const ExtinctionGrid expected = classified(volume, smoke());
+    EXPECT_TRUE(std::equal(expected.stored.begin(), expected.stored.end(), grid.stored.begin()));
 }
 
 TEST(Classify, RefusesImpossibleLevels)

@@ -2,6 +2,7 @@
 // reassociated, so every instruction set gives the same bits.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "lumisweep/math/vec.h"
@@ -55,9 +56,9 @@ void classify_block_avx512(const ClassifyJob& job, int slice, int first_row, con
 /// The widest instruction set of this machine.
 ClassifyBlock widest_classify_block();
 
-/// classify() with the given loops.
-ExtinctionGrid classify_with(ClassifyBlock block, const ScalarGrid& volume, const RawRange& range,
-                             const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts,
-                             const std::atomic<bool>* cancel = nullptr);
+/// classify_into() with the given loops.
+bool classify_with(ClassifyBlock block, ExtinctionGrid& grid, const ScalarGrid& volume, const RawRange& range,
+                   const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts,
+                   const std::atomic<bool>* cancel = nullptr);
 
 } // namespace lumisweep

@@ -79,54 +79,74 @@ void use_segments(ClassifyJob& job, const ScalarGrid& volume, const TransferFunc
     }
 }
 
-void classify_blocks(ClassifyBlock block, const ClassifyJob& job, const std::atomic<bool>* cancel)
+bool classify_blocks(ClassifyBlock block, const ClassifyJob& job, const std::atomic<bool>* cancel)
 {
     // A row of finest voxels in whole vectors or in whole level voxels (halved twice at most).
     const int row = std::max((job.volume_size.x + 15) / 16 * 16, job.size.x << std::min(job.mip_level, 2));
     const int blocks = (job.size.y + classify_block_rows - 1) / classify_block_rows;
+    const auto cancelled = [&] { return cancel != nullptr && cancel->load(std::memory_order_relaxed); };
     parallel_for(0, job.size.z * blocks, [&](int task) {
-        if (cancel != nullptr && cancel->load(std::memory_order_relaxed))
+        if (cancelled())
             return;
         AlignedArray<std::int32_t> steps(2 * static_cast<std::size_t>(row));
         AlignedArray<std::uint64_t> sums(static_cast<std::size_t>(job.size.x));
         block(job, task / blocks, task % blocks * classify_block_rows, {steps.data(), sums.data()});
     });
+    return !cancelled();
+}
+
+/// Of that size, in the memory of before where it fits. An empty grid is all zeros, any other is written as a whole.
+void fit(AlignedArray<std::uint8_t>& array, std::size_t size, float scale)
+{
+    if (array.size() != size) {
+        array = AlignedArray<std::uint8_t>(); // so that not both are there at once
+        array = AlignedArray<std::uint8_t>(size, scale > 0.0F ? Contents::uninitialised : Contents::zeros);
+    } else if (!(scale > 0.0F)) {
+        std::fill(array.begin(), array.end(), std::uint8_t{0});
+    }
 }
 
 } // namespace
 
 ExtinctionGrid classify(const ScalarGrid& volume, const RawRange& range, const TransferFunction& transfer_function,
-                        int mip_level, ExtinctionLayouts layouts, const std::atomic<bool>* cancel)
+                        int mip_level, ExtinctionLayouts layouts)
 {
-    return classify_with(widest_classify_block(), volume, range, transfer_function, mip_level, layouts, cancel);
+    ExtinctionGrid grid;
+    classify_into(grid, volume, range, transfer_function, mip_level, layouts);
+    return grid;
 }
 
-ExtinctionGrid classify_with(ClassifyBlock block, const ScalarGrid& volume, const RawRange& range,
-                             const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts,
-                             const std::atomic<bool>* cancel)
+bool classify_into(ExtinctionGrid& grid, const ScalarGrid& volume, const RawRange& range,
+                   const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts,
+                   const std::atomic<bool>* cancel)
+{
+    return classify_with(widest_classify_block(), grid, volume, range, transfer_function, mip_level, layouts, cancel);
+}
+
+bool classify_with(ClassifyBlock block, ExtinctionGrid& grid, const ScalarGrid& volume, const RawRange& range,
+                   const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts,
+                   const std::atomic<bool>* cancel)
 {
     require(mip_level >= 0 && mip_level <= 13, "classify: mip level {} (use 0 to 13)", mip_level);
-    ExtinctionGrid grid;
-    grid.volume_size = volume.size();
+    const Vec3i& n = volume.size();
+    const auto level_side = [&](int side) { return (side + (1 << mip_level) - 1) >> mip_level; };
+    const double scale = largest_extinction(volume, range, transfer_function) / 255.0;
+    const bool transposed = layouts == ExtinctionLayouts::with_transposed;
+    grid.volume_size = n;
     grid.world_from_voxel = volume.world_from_voxel();
     grid.mip_level = mip_level;
-    const auto level_side = [&](int side) { return (side + (1 << mip_level) - 1) >> mip_level; };
-    grid.size = {level_side(volume.size().x), level_side(volume.size().y), level_side(volume.size().z)};
-    const double scale = largest_extinction(volume, range, transfer_function) / 255.0;
+    grid.size = {level_side(n.x), level_side(n.y), level_side(n.z)};
     grid.scale = static_cast<float>(scale);
-    const bool transposed = layouts == ExtinctionLayouts::with_transposed;
-    const Contents contents = grid.scale > 0.0F ? Contents::uninitialised : Contents::zeros;
-    grid.stored = AlignedArray<std::uint8_t>(count(grid.size), contents);
-    if (transposed)
-        grid.transposed = AlignedArray<std::uint8_t>(count(grid.size), contents);
+    fit(grid.stored, count(grid.size), grid.scale);
+    fit(grid.transposed, transposed ? count(grid.size) : 0, grid.scale);
     if (!(grid.scale > 0.0F))
-        return grid;
+        return true;
 
     std::vector<std::int32_t> table;
     ClassifyJob job{};
     job.voxels = volume.data();
     job.type = volume.type();
-    job.volume_size = volume.size();
+    job.volume_size = n;
     job.mip_level = mip_level;
     if (volume.type() == VoxelType::f32)
         use_segments(job, volume, transfer_function, scale);
@@ -136,8 +156,7 @@ ExtinctionGrid classify_with(ClassifyBlock block, const ScalarGrid& volume, cons
     job.size = grid.size;
     job.stored = grid.stored.data();
     job.transposed = transposed ? grid.transposed.data() : nullptr;
-    classify_blocks(block, job, cancel);
-    return grid;
+    return classify_blocks(block, job, cancel);
 }
 
 } // namespace lumisweep

@@ -11,7 +11,8 @@
 namespace lumisweep {
 namespace {
 
-/// Several independent minima and maxima, so that the compiler can use whole vectors.
+/// Several independent minima and maxima, so that the compiler can use whole vectors. Comparisons are false for NaN,
+/// which leaves it out.
 template <class T>
 RawRange range_of(const T* voxels, std::size_t count)
 {
@@ -20,12 +21,8 @@ RawRange range_of(const T* voxels, std::size_t count)
     std::fill_n(low, lanes, std::numeric_limits<T>::max());
     std::fill_n(high, lanes, std::numeric_limits<T>::lowest());
     const auto take = [&](std::size_t lane, T v) {
-        bool finite = true;
-        if constexpr (std::is_same_v<T, float>)
-            finite = std::fabs(v) <= std::numeric_limits<float>::max(); // false for NaN
-        const T l = finite ? v : low[lane], h = finite ? v : high[lane];
-        low[lane] = l < low[lane] ? l : low[lane];
-        high[lane] = h > high[lane] ? h : high[lane];
+        low[lane] = v < low[lane] ? v : low[lane];
+        high[lane] = v > high[lane] ? v : high[lane];
     };
     std::size_t i = 0;
     for (; i + lanes <= count; i += lanes)
@@ -37,6 +34,16 @@ RawRange range_of(const T* voxels, std::size_t count)
             static_cast<float>(*std::max_element(high, high + lanes))};
 }
 
+/// Infinities are rare: loaders make them NaN.
+RawRange finite_range_of(const float* voxels, std::size_t count)
+{
+    RawRange range{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
+    for (std::size_t i = 0; i < count; ++i)
+        if (std::isfinite(voxels[i]))
+            range = {std::min(range.low, voxels[i]), std::max(range.high, voxels[i])};
+    return range;
+}
+
 } // namespace
 
 RawRange raw_range(const ScalarGrid& volume)
@@ -44,8 +51,12 @@ RawRange raw_range(const ScalarGrid& volume)
     const std::size_t slice = static_cast<std::size_t>(volume.size().x) * static_cast<std::size_t>(volume.size().y);
     std::vector<RawRange> ranges(static_cast<std::size_t>(volume.size().z));
     visit_voxels(volume, [&](const auto* voxels) {
-        parallel_for(std::size_t{0}, ranges.size(),
-                     [&](std::size_t k) { ranges[k] = range_of(voxels + k * slice, slice); });
+        parallel_for(std::size_t{0}, ranges.size(), [&](std::size_t k) {
+            ranges[k] = range_of(voxels + k * slice, slice);
+            if constexpr (std::is_same_v<decltype(voxels), const float*>)
+                if (std::isinf(ranges[k].low) || std::isinf(ranges[k].high))
+                    ranges[k] = finite_range_of(voxels + k * slice, slice);
+        });
     });
     RawRange all;
     for (const RawRange& range : ranges)

@@ -109,10 +109,10 @@ void fit(AlignedArray<std::uint8_t>& array, std::size_t size, float scale)
 } // namespace
 
 ExtinctionGrid classify(const ScalarGrid& volume, const RawRange& range, const TransferFunction& transfer_function,
-                        int mip_level, ExtinctionLayouts layouts)
+                        int mip_level, ExtinctionLayouts layouts, const std::atomic<bool>* cancel)
 {
     ExtinctionGrid grid;
-    classify_into(grid, volume, range, transfer_function, mip_level, layouts);
+    classify_into(grid, volume, range, transfer_function, mip_level, layouts, cancel);
     return grid;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -106,6 +107,41 @@ void fit(AlignedArray<std::uint8_t>& array, std::size_t size, float scale)
     }
 }
 
+bool any_filled(const std::uint8_t* voxels, int count)
+{
+    std::uint64_t all = 0;
+    int i = 0;
+    for (; i + 8 <= count; i += 8) {
+        std::uint64_t eight;
+        std::memcpy(&eight, voxels + i, 8);
+        all |= eight;
+    }
+    for (; i < count; ++i)
+        all |= voxels[i];
+    return all != 0;
+}
+
+/// Looks at each row from both ends, so that it reads little more than what is empty.
+void find_filled(const std::uint8_t* voxels, int length, int rows_per_slice, int slices,
+                 std::vector<ExtinctionGrid::Filled>& filled)
+{
+    constexpr int line = 64;
+    filled.resize(static_cast<std::size_t>(rows_per_slice) * static_cast<std::size_t>(slices));
+    parallel_for(0, slices, [&](int slice) {
+        for (int r = 0; r < rows_per_slice; ++r) {
+            const std::size_t row = static_cast<std::size_t>(slice) * static_cast<std::size_t>(rows_per_slice) +
+                                    static_cast<std::size_t>(r);
+            const std::uint8_t* begin = voxels + row * static_cast<std::size_t>(length);
+            int first = 0, last = length;
+            while (first < last && !any_filled(begin + first, std::min(line, last - first)))
+                first += line;
+            while (first < last && !any_filled(begin + std::max(first, last - line), std::min(line, last - first)))
+                last -= line;
+            filled[row] = first < last ? ExtinctionGrid::Filled{first, last} : ExtinctionGrid::Filled{0, 0};
+        }
+    });
+}
+
 } // namespace
 
 ExtinctionGrid classify(const ScalarGrid& volume, const RawRange& range, const TransferFunction& transfer_function,
@@ -139,6 +175,8 @@ bool classify_with(ClassifyBlock block, ExtinctionGrid& grid, const ScalarGrid& 
     grid.scale = static_cast<float>(scale);
     fit(grid.stored, count(grid.size), grid.scale);
     fit(grid.transposed, transposed ? count(grid.size) : 0, grid.scale);
+    grid.filled.clear();
+    grid.filled_transposed.clear();
     if (!(grid.scale > 0.0F))
         return true;
 
@@ -156,7 +194,12 @@ bool classify_with(ClassifyBlock block, ExtinctionGrid& grid, const ScalarGrid& 
     job.size = grid.size;
     job.stored = grid.stored.data();
     job.transposed = transposed ? grid.transposed.data() : nullptr;
-    return classify_blocks(block, job, cancel);
+    if (!classify_blocks(block, job, cancel))
+        return false;
+    find_filled(grid.stored.data(), grid.size.x, grid.size.y, grid.size.z, grid.filled);
+    if (transposed)
+        find_filled(grid.transposed.data(), grid.size.y, grid.size.z, grid.size.x, grid.filled_transposed);
+    return true;
 }
 
 } // namespace lumisweep

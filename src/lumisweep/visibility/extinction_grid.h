@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "lumisweep/base/aligned.h"
 #include "lumisweep/volume/raw_range.h"
@@ -16,6 +17,11 @@ namespace lumisweep {
 /// media below half a step survive on average. Voxels are classified before interpolation (the renderer interpolates
 /// first), which is why visibility from here only steers sampling.
 struct ExtinctionGrid {
+    /// Voxels of a row outside of [first, last) are empty; whole lines of 64 where the row has them.
+    struct Filled {
+        std::int32_t first, last;
+    };
+
     Vec3i volume_size{0, 0, 0};            ///< finest voxels
     Affine3d world_from_voxel;             ///< of the finest level
     int mip_level = 0;                     ///< a level voxel is 2^mip_level finest voxels a side
@@ -23,7 +29,12 @@ struct ExtinctionGrid {
     float scale = 0.0F;                    ///< extinction of one stored step; 0 for an empty volume
     AlignedArray<std::uint8_t> stored;     ///< [z][y][x], x fastest
     AlignedArray<std::uint8_t> transposed; ///< [x][z][y], y fastest: for sweeps along x; empty unless asked for
-    std::size_t bytes() const { return stored.bytes() + transposed.bytes(); }
+    std::vector<Filled> filled;            ///< [z][y], of the rows along x
+    std::vector<Filled> filled_transposed; ///< [x][z], of those along y, if there is the transposed copy
+    std::size_t bytes() const
+    {
+        return stored.bytes() + transposed.bytes() + (filled.size() + filled_transposed.size()) * sizeof(Filled);
+    }
 };
 
 /// Which memory layouts a grid gets. Sweeps along x need the transposed copy, those along y and z do not.

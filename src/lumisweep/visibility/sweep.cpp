@@ -25,6 +25,8 @@ MarchedLevel level_of(const ExtinctionGrid& extinction, Vec3i cells)
     level.size = extinction.size;
     level.voxels = extinction.stored.data();
     level.transposed = extinction.transposed.data();
+    level.filled = extinction.filled.data();
+    level.filled_transposed = extinction.filled_transposed.data();
     level.extinction_of_one = static_cast<double>(extinction.scale);
     const double side = std::ldexp(1.0, extinction.mip_level); // finest voxels
     Affine3d world_from_level = extinction.world_from_voxel;

@@ -33,7 +33,15 @@ struct Box {
     {
         const int first = std::max(i - reach, 0), last = std::min(i + reach, count - 1);
         const int ends = (i - reach - 1 >= 0 ? 1 : 0) + (i + reach + 1 < count ? 1 : 0);
-        const double one = std::ldexp(65536.0, shift) / ((last - first + 1) + fraction * ends);
+        return scales_of(last - first + 1 + fraction * ends);
+    }
+    /// Those of a cell whose box does not leave the line.
+    Scales inside() const { return scales_of(width() + 2.0 * fraction); }
+
+private:
+    Scales scales_of(double covered) const
+    {
+        const double one = 65536.0 * (1 << shift) / covered;
         const auto rounded = [](double x) { return static_cast<std::uint16_t>(std::min(std::ceil(x), 65535.0)); };
         return {rounded(one), rounded(one * fraction)};
     }
@@ -72,7 +80,12 @@ void SliceFilter::along_u(std::uint16_t* slice, double box_width)
     const Box box(box_width, width_);
     if (box.is_identity() || width_ == 1)
         return;
+    const Box::Scales inside = box.inside();
+    std::fill(scale_whole_.begin(), scale_whole_.end(), inside.whole);
+    std::fill(scale_ends_.begin(), scale_ends_.end(), inside.ends);
     for (int i = 0; i < width_; ++i) {
+        if (i == box.reach + 1)
+            i = std::max(i, width_ - box.reach - 1); // the box is whole in between
         const Box::Scales scales = box.scales(i, width_);
         scale_whole_[static_cast<std::size_t>(i)] = scales.whole;
         scale_ends_[static_cast<std::size_t>(i)] = scales.ends;
@@ -83,8 +96,11 @@ void SliceFilter::along_u(std::uint16_t* slice, double box_width)
     std::fill(row, row + padded, std::uint16_t{0});
     for (int j = 0; j < height_; ++j) {
         std::uint16_t* line = slice + static_cast<std::ptrdiff_t>(j) * width_;
-        for (int i = 0; i < width_; ++i)
-            row[pad + i] = static_cast<std::uint16_t>(line[i] >> box.shift);
+        if (box.shift == 0)
+            std::copy(line, line + width_, row + pad);
+        else
+            std::transform(line, line + width_, row + pad,
+                           [&](std::uint16_t v) { return static_cast<std::uint16_t>(v >> box.shift); });
         // Sums of 1, 2, 4, … neighbours; those in the width's binary digits make up the box.
         const std::uint16_t *power = row, *sums = row + 1;
         std::uint16_t *next_power = power_.data(), *spare_power = next_power_.data();
@@ -119,10 +135,12 @@ const std::uint16_t* SliceFilter::along_v(std::uint16_t* slice, double box_heigh
     std::fill(sums, sums + width_, std::uint16_t{0});
     for (int j = 0; j < std::min(box.reach, height_); ++j)
         kernels_.slide(sums, line(j), zeros_.data(), box.shift, width_);
+    const Box::Scales inside = box.inside();
     for (int j = 0; j < height_; ++j) {
         const std::uint16_t* leaving = line(j - box.reach - 1); // also the cell beyond the low end
         kernels_.slide(sums, line(j + box.reach), leaving, box.shift, width_);
-        const Box::Scales scales = box.scales(j, height_);
+        const bool whole = j > box.reach && j < height_ - box.reach - 1;
+        const Box::Scales scales = whole ? inside : box.scales(j, height_);
         kernels_.box_mean_row(out_.data() + static_cast<std::ptrdiff_t>(j) * width_, sums, leaving,
                               line(j + box.reach + 1), box.shift, scales.whole, scales.ends, width_);
     }

@@ -96,8 +96,9 @@ struct SweepKernels {
     void (*box_mean_row)(std::uint16_t* out, const std::uint16_t* whole, const std::uint16_t* low,
                          const std::uint16_t* high, int shift, std::uint16_t scale_whole, std::uint16_t scale_ends,
                          int count);
-    /// out[i] = in[i] in 8 bits, rounded.
+    /// out[i] = in[i] in 8 bits, rounded. Other threads see it after finish_stores.
     void (*store)(std::uint8_t* out, const std::uint16_t* in, int count);
+    void (*finish_stores)();
 };
 
 extern const SweepKernels sweep_kernels_baseline;

@@ -33,6 +33,25 @@ struct Rays {
     }
 };
 
+/// The whole cache lines go past the caches: nobody reads them before the sweep's end.
+inline __attribute__((always_inline)) int store_lines(std::uint8_t* out, const std::uint16_t* in, int count)
+{
+    if (reinterpret_cast<std::uintptr_t>(out) % 64 != 0)
+        return 0;
+    const __m512i half = _mm512_set1_epi16(8);
+    const int lines = count / 64 * 64;
+    for (int i = 0; i < lines; i += 64) {
+        const __m256i low =
+            _mm512_cvtepi16_epi8(_mm512_srli_epi16(_mm512_add_epi16(_mm512_loadu_si512(in + i), half), 4));
+        const __m256i high =
+            _mm512_cvtepi16_epi8(_mm512_srli_epi16(_mm512_add_epi16(_mm512_loadu_si512(in + i + 32), half), 4));
+        _mm512_stream_si512(reinterpret_cast<__m512i*>(out + i),
+                            _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1));
+    }
+    return lines;
+}
+inline __attribute__((always_inline)) void fence_lines() { _mm_sfence(); }
+
 } // namespace
 } // namespace lumisweep
 

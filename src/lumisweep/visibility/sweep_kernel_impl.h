@@ -1,6 +1,6 @@
 // Bodies of sweep_kernel.h, included by one file per instruction set after it has defined `Rays`, sixteen rays of one
-// parity, and LUMISWEEP_SWEEP_KERNELS with the table's name. Everything is static and uses no inline function of any
-// header: the linker must not mix instruction sets.
+// parity, `store_lines`, `fence_lines` and LUMISWEEP_SWEEP_KERNELS with the table's name. Everything is static and uses
+// no inline function of any header: the linker must not mix instruction sets.
 namespace lumisweep {
 namespace {
 
@@ -222,14 +222,27 @@ void box_mean_row(std::uint16_t* __restrict out, const std::uint16_t* __restrict
 
 void store(std::uint8_t* __restrict out, const std::uint16_t* __restrict in, int count)
 {
-    for (int i = 0; i < count; ++i)
+    const int done = store_lines(out, in, count);
+    for (int i = done; i < count; ++i)
         out[i] = static_cast<std::uint8_t>((in[i] + 8) >> 4);
 }
 
+void finish_stores() { fence_lines(); }
+
 } // namespace
 
-const SweepKernels LUMISWEEP_SWEEP_KERNELS = {
-    LUMISWEEP_SWEEP_KERNELS_NAME, make_pairs, march, look_up,  side_factors, to_visibility,
-    to_visibility_of_rest,        add,        slide, box_mean, box_mean_row, store};
+const SweepKernels LUMISWEEP_SWEEP_KERNELS = {LUMISWEEP_SWEEP_KERNELS_NAME,
+                                              make_pairs,
+                                              march,
+                                              look_up,
+                                              side_factors,
+                                              to_visibility,
+                                              to_visibility_of_rest,
+                                              add,
+                                              slide,
+                                              box_mean,
+                                              box_mean_row,
+                                              store,
+                                              finish_stores};
 
 } // namespace lumisweep

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <utility>
 
 #include "lumisweep/base/stopwatch.h"
 
@@ -14,7 +16,13 @@ constexpr int strip_rows = 32; ///< voxel rows, about: with their pairs and rays
 
 struct Layout {
     const std::uint8_t* voxels;
-    std::size_t slice_stride, row_stride;
+    const ExtinctionGrid::Filled* filled;
+    std::size_t row_length, slice_stride, row_stride; ///< strides in rows
+
+    std::size_t row(int slice, int v) const
+    {
+        return static_cast<std::size_t>(slice) * slice_stride + static_cast<std::size_t>(v) * row_stride;
+    }
 };
 
 Layout layout_of(const MarchedLevel& level, int axis)
@@ -22,9 +30,9 @@ Layout layout_of(const MarchedLevel& level, int axis)
     const std::size_t x = static_cast<std::size_t>(level.size.x), y = static_cast<std::size_t>(level.size.y);
     const std::size_t z = static_cast<std::size_t>(level.size.z);
     switch (axis) {
-    case 0: return {level.transposed, y * z, y};
-    case 1: return {level.voxels, x, x * y};
-    default: return {level.voxels, x * y, x};
+    case 0: return {level.transposed, level.filled_transposed, y, z, 1};
+    case 1: return {level.voxels, level.filled, x, 1, y};
+    default: return {level.voxels, level.filled, x, y, 1};
     }
 }
 
@@ -79,11 +87,11 @@ void RayPlane::start(const MarchedLevel& level, const Vec3d& w_world)
     half_row_ = (g.u.ray_count + ray_block - 1) / ray_block * (ray_block / 2);
     const std::size_t rays = 2 * static_cast<std::size_t>(half_row_) * static_cast<std::size_t>(g.v.ray_count);
     if (rays_.size() < rays)
-        rays_ = AlignedArray<std::int32_t>(rays);
+        rays_ = AlignedArray<std::int32_t>(rays, Contents::uninitialised);
     started_.assign(static_cast<std::size_t>(g.v.ray_count), 0);
     const std::size_t cells = depths.size() * static_cast<std::size_t>(u_.cells) * static_cast<std::size_t>(v_.cells);
     if (tau_.size() < cells)
-        tau_ = AlignedArray<float>(cells);
+        tau_ = AlignedArray<float>(cells, Contents::uninitialised);
     index_.resize(static_cast<std::size_t>(u_.cells));
     next_.resize(static_cast<std::size_t>(u_.cells));
     indexed_slice_ = -1;
@@ -114,7 +122,8 @@ void RayPlane::look_up(const SweepKernels& kernels, int slice, int row_of_cells,
         indexed_slice_ = slice;
         const std::int32_t* rays = u_.rays_of(slice);
         const auto stored = [&](std::int32_t ray) { return (ray >> 1) + (ray & 1) * half_row_; };
-        for (int c = 0; c < u_.cells; ++c) {
+        const int count = row_step() > 0 ? 1 : u_.cells;
+        for (int c = 0; c < count; ++c) {
             index_[static_cast<std::size_t>(c)] = stored(rays[c]);
             next_[static_cast<std::size_t>(c)] = stored(rays[c] + 1);
         }
@@ -127,7 +136,7 @@ void RayPlane::look_up(const SweepKernels& kernels, int slice, int row_of_cells,
     lookup.next = next_.data();
     lookup.fraction = u_.fractions_of(slice);
     lookup.fraction_rows = v_.fractions_of(slice)[row_of_cells];
-    lookup.step = u_.step % 2 == 0 ? u_.step / 2 : 0;
+    lookup.step = row_step();
     lookup.count = u_.cells;
     kernels.look_up(tau, lookup);
 }
@@ -262,17 +271,33 @@ void GroupMarch::make_pairs(std::span<RayPlane> planes)
         pair_at_.push_back(rows);
         rows += static_cast<std::size_t>(span.last - span.first);
     }
+    pair_extent_.resize(rows);
     if (pairs_.size() < rows * pair_stride_)
-        pairs_ = AlignedArray<std::uint8_t>(rows * pair_stride_ * 5 / 4);
+        pairs_ = AlignedArray<std::uint8_t>(rows * pair_stride_ * 5 / 4, Contents::uninitialised);
     const Layout layout = layout_of(level_, g.axis);
     for (std::size_t s = 0; s < slices; ++s) {
-        const std::uint8_t* slice = layout.voxels + (static_cast<std::size_t>(first_slice_) + s) * layout.slice_stride;
-        const auto voxels = [&](int v) {
-            return slice + static_cast<std::size_t>(std::clamp(v, 0, g.v.size - 1)) * layout.row_stride;
-        };
+        const int slice = first_slice_ + static_cast<int>(s), slice_to_come = slice + static_cast<int>(slices);
+        Span* extent = pair_extent_.data() + pair_at_[s];
         std::uint8_t* pairs = pairs_.data() + pair_at_[s] * pair_stride_ + pair_row_margin + 2 * edge_voxels;
-        for (int v = pair_rows_[s].first; v < pair_rows_[s].last; ++v, pairs += pair_stride_)
-            kernels_.make_pairs(pairs, voxels(v), voxels(v + 1), g.u.size);
+        for (int v = pair_rows_[s].first; v < pair_rows_[s].last; ++v, pairs += pair_stride_, ++extent) {
+            const int v_low = std::clamp(v, 0, g.v.size - 1), v_high = std::clamp(v + 1, 0, g.v.size - 1);
+            const std::size_t low = layout.row(slice, v_low), high = layout.row(slice, v_high);
+            // Voxels come from far: those of the slab to come are asked for before this one is marched.
+            if (slice_to_come < g.slices) {
+                const std::size_t to_come = layout.row(slice_to_come, v_high);
+                const ExtinctionGrid::Filled& filled = layout.filled[to_come];
+                for (int i = filled.first; i < filled.last; i += 64)
+                    __builtin_prefetch(layout.voxels + to_come * layout.row_length + i, 0, 2);
+            }
+            const ExtinctionGrid::Filled &a = layout.filled[low], &b = layout.filled[high];
+            const bool a_filled = a.first < a.last, b_filled = b.first < b.last;
+            *extent = !a_filled   ? Span{b.first, b.last}
+                      : !b_filled ? Span{a.first, a.last}
+                                  : Span{std::min(a.first, b.first), std::max(a.last, b.last)};
+            if (a_filled || b_filled)
+                kernels_.make_pairs(pairs, layout.voxels + low * layout.row_length,
+                                    layout.voxels + high * layout.row_length, g.u.size);
+        }
     }
 }
 
@@ -306,7 +331,8 @@ void GroupMarch::march_row(RayPlane& plane, const Part& part, int ray_row)
 {
     const SweepGeometry& g = plane.geometry();
     std::array<MarchRow, march_slices> rows;
-    int count = 0;
+    std::size_t count = 0;
+    int first_ray = std::numeric_limits<int>::max(), last_ray = 0; // between them voxels are not empty
     for (std::size_t p = 0; p < part.pieces.size(); ++p) {
         if (ray_row < part.counted[p].first || ray_row >= part.counted[p].last)
             continue;
@@ -314,14 +340,38 @@ void GroupMarch::march_row(RayPlane& plane, const Part& part, int ray_row)
         const std::size_t s = static_cast<std::size_t>(piece.slice - first_slice_);
         const int v = ray_row + g.v.first_ray + piece.shift_v;
         const std::size_t pair_row = pair_at_[s] + static_cast<std::size_t>(v - pair_rows_[s].first);
-        MarchRow& row = rows[static_cast<std::size_t>(count++)];
+        const Span& extent = pair_extent_[pair_row];
+        if (extent.first >= extent.last)
+            continue;
+        const int voxel_of_ray_0 = g.u.first_ray + piece.shift_u;
+        // Up to the sides the edge voxels are repeated.
+        const int from = extent.first == 0 ? -edge_voxels : extent.first;
+        const int to = extent.last >= g.u.size ? g.u.size + edge_voxels : extent.last;
+        first_ray = std::min(first_ray, std::max(from - 1 - voxel_of_ray_0, 0));
+        last_ray = std::max(last_ray, to - voxel_of_ray_0);
+        MarchRow& row = rows[count++];
         row.pairs = pairs_.data() + (static_cast<std::ptrdiff_t>(pair_row * pair_stride_) + pair_row_margin +
-                                     2 * (edge_voxels + g.u.first_ray + piece.shift_u));
+                                     2 * (edge_voxels + voxel_of_ray_0));
         std::copy(std::begin(piece.weight), std::end(piece.weight), std::begin(row.weight));
         row.counted = part.edge_rays.data() + p * part.edge.size();
     }
+    if (count == 0)
+        return;
+    MarchBlocks blocks = part.blocks;
+    const int first_block = first_ray / ray_block, last_block = (last_ray + ray_block - 1) / ray_block;
+    blocks.first = std::max(blocks.first, first_block);
+    blocks.last = std::min(blocks.last, last_block);
+    int skipped = 0;
+    while (skipped < blocks.edge_count && blocks.edge[skipped] < first_block)
+        ++skipped;
+    while (blocks.edge_count > skipped && blocks.edge[blocks.edge_count - 1] >= last_block)
+        --blocks.edge_count;
+    blocks.edge += skipped;
+    blocks.edge_count -= skipped;
+    for (std::size_t r = 0; r < count; ++r)
+        rows[r].counted += skipped;
     std::int32_t* rays = plane.row(ray_row);
-    kernels_.march(rays, rays + plane.half_row(), rows.data(), count, part.blocks);
+    kernels_.march(rays, rays + plane.half_row(), rows.data(), static_cast<int>(count), blocks);
 }
 
 } // namespace lumisweep

@@ -23,6 +23,7 @@ struct MarchedLevel {
     Vec3i size;
     const std::uint8_t* voxels;     ///< x fastest, then y, then z
     const std::uint8_t* transposed; ///< y fastest, then z, then x; only for sweeps along x
+    const ExtinctionGrid::Filled *filled, *filled_transposed; ///< of the rows of either
     Affine3d level_from_world;
     Vec3d voxel_sides_world;  ///< of the level's voxels
     double extinction_of_one; ///< 1/world unit per stored step
@@ -70,6 +71,9 @@ public:
     std::span<const SweepPiece> slab(int slab) const;
 
 private:
+    /// Stored rays between those of neighbouring cells, 0 where that varies: even and odd rays are apart.
+    int row_step() const { return u_.step % 2 == 0 ? u_.step / 2 : 0; }
+
     std::unique_ptr<SweepGeometry> geometry_;
     CellPlaces u_, v_;
     std::vector<SweepPiece> pieces_;
@@ -123,6 +127,7 @@ private:
     std::vector<Span> pair_rows_;      // [slice] pairs (v, v + 1) that are there
     std::vector<std::size_t> pair_at_; // [slice] where they begin
     std::size_t pair_stride_ = 0;
+    std::vector<Span> pair_extent_; // [pair row] from the first to behind the last voxel that is not empty
     AlignedArray<std::uint8_t> pairs_;
 };
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "lumisweep/base/stopwatch.h"
+#include "lumisweep/visibility/transpose_block.h"
 
 namespace lumisweep {
 
@@ -56,8 +57,10 @@ bool PairVisibility::write(RayPlane& plane, std::uint8_t* towards_low, std::uint
     low_ = towards_low;
     high_ = towards_high;
     for (int w = 0; w < cells_w_; ++w) {
-        if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed))
+        if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed)) {
+            kernels_.finish_stores();
             return false;
+        }
         look_up(plane, w, stats);
         const double depth = plane.places_u().depths[static_cast<std::size_t>(w)];
         if (low_ != nullptr)
@@ -65,6 +68,7 @@ bool PairVisibility::write(RayPlane& plane, std::uint8_t* towards_low, std::uint
         if (high_ != nullptr)
             emit(g, slice_high_, g.slices - depth, w, high_, turned_high_, stats);
     }
+    kernels_.finish_stores();
     const ProcessorStopwatch watch(stats.lookup_s);
     if (!turned_low_.empty())
         turn(turned_low_, low_);
@@ -157,13 +161,8 @@ void PairVisibility::turn(const std::vector<std::uint8_t>& turned, std::uint8_t*
 {
     const std::size_t cx = static_cast<std::size_t>(level_.cells.x), cy = static_cast<std::size_t>(level_.cells.y);
     const std::size_t cz = static_cast<std::size_t>(level_.cells.z);
-    constexpr std::size_t block = 16;
     for (std::size_t z = 0; z < cz; ++z)
-        for (std::size_t y0 = 0; y0 < cy; y0 += block)
-            for (std::size_t x0 = 0; x0 < cx; x0 += block)
-                for (std::size_t y = y0; y < std::min(y0 + block, cy); ++y)
-                    for (std::size_t x = x0; x < std::min(x0 + block, cx); ++x)
-                        visibility[(z * cy + y) * cx + x] = turned[(x * cz + z) * cy + y];
+        transpose(turned.data() + z * cy, cz * cy, visibility + z * cy * cx, cx, cy, cx);
 }
 
 } // namespace lumisweep

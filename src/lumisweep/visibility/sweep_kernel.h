@@ -98,6 +98,8 @@ struct SweepKernels {
                          int count);
     /// out[i] = in[i] in 8 bits, rounded. Other threads see it after finish_stores.
     void (*store)(std::uint8_t* out, const std::uint16_t* in, int count);
+    /// out[i] = in[i], for what is next used when the caches have long forgotten it; finish_stores here, too.
+    void (*stream)(float* out, const float* in, int count);
     void (*finish_stores)();
 };
 

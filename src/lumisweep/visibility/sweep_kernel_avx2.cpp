@@ -51,6 +51,7 @@ struct Rays {
 };
 
 inline int store_lines(std::uint8_t*, const std::uint16_t*, int) { return 0; }
+inline int stream_lines(float*, const float*, int) { return 0; }
 inline void fence_lines() {}
 
 } // namespace

@@ -50,6 +50,15 @@ inline __attribute__((always_inline)) int store_lines(std::uint8_t* out, const s
     }
     return lines;
 }
+inline __attribute__((always_inline)) int stream_lines(float* out, const float* in, int count)
+{
+    if (reinterpret_cast<std::uintptr_t>(out) % 64 != 0)
+        return 0;
+    const int lines = count / 16 * 16;
+    for (int i = 0; i < lines; i += 16)
+        _mm512_stream_ps(out + i, _mm512_loadu_ps(in + i));
+    return lines;
+}
 inline __attribute__((always_inline)) void fence_lines() { _mm_sfence(); }
 
 } // namespace

@@ -1,6 +1,6 @@
 // Bodies of sweep_kernel.h, included by one file per instruction set after it has defined `Rays`, sixteen rays of one
-// parity, `store_lines`, `fence_lines` and LUMISWEEP_SWEEP_KERNELS with the table's name. Everything is static and uses
-// no inline function of any header: the linker must not mix instruction sets.
+// parity, `store_lines`, `stream_lines`, `fence_lines` and LUMISWEEP_SWEEP_KERNELS with the table's name. Everything is
+// static and uses no inline function of any header: the linker must not mix instruction sets.
 namespace lumisweep {
 namespace {
 
@@ -227,6 +227,13 @@ void store(std::uint8_t* __restrict out, const std::uint16_t* __restrict in, int
         out[i] = static_cast<std::uint8_t>((in[i] + 8) >> 4);
 }
 
+void stream(float* __restrict out, const float* __restrict in, int count)
+{
+    const int done = stream_lines(out, in, count);
+    for (int i = done; i < count; ++i)
+        out[i] = in[i];
+}
+
 void finish_stores() { fence_lines(); }
 
 } // namespace
@@ -243,6 +250,7 @@ const SweepKernels LUMISWEEP_SWEEP_KERNELS = {LUMISWEEP_SWEEP_KERNELS_NAME,
                                               box_mean,
                                               box_mean_row,
                                               store,
+                                              stream,
                                               finish_stores};
 
 } // namespace lumisweep

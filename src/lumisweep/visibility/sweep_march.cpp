@@ -156,6 +156,7 @@ bool GroupMarch::run(std::span<RayPlane> planes, SweepStats& stats)
     const int cells_per_strip = cell_v >= 2.0 ? std::max(1, static_cast<int>(strip_rows / cell_v)) : cells_v;
     const int strips = (cells_v + cells_per_strip - 1) / cells_per_strip;
     parts_.resize(planes.size());
+    tau_.resize(static_cast<std::size_t>(planes.front().places_u().cells));
     for (int s = 0; s < strips; ++s) {
         const int which = g.v.slope > 0.0 ? s : strips - 1 - s;
         const Strip strip{which * cells_per_strip, std::min((which + 1) * cells_per_strip, cells_v), which == 0,
@@ -178,10 +179,13 @@ bool GroupMarch::run(std::span<RayPlane> planes, SweepStats& stats)
                 continue;
             const ProcessorStopwatch watch(stats.lookup_s);
             for (RayPlane& plane : planes)
-                for (int row = strip.first_cell; row < strip.last_cell; ++row)
-                    plane.look_up(kernels_, slab, row, plane.tau_of(slab, row));
+                for (int row = strip.first_cell; row < strip.last_cell; ++row) {
+                    plane.look_up(kernels_, slab, row, tau_.data());
+                    kernels_.stream(plane.tau_of(slab, row), tau_.data(), plane.places_u().cells);
+                }
         }
     }
+    kernels_.finish_stores();
     return true;
 }
 

@@ -21,8 +21,8 @@ namespace lumisweep {
 /// The marched level and the cells on it.
 struct MarchedLevel {
     Vec3i size;
-    const std::uint8_t* voxels;     ///< x fastest, then y, then z
-    const std::uint8_t* transposed; ///< y fastest, then z, then x; only for sweeps along x
+    const std::uint8_t* voxels;                               ///< x fastest, then y, then z
+    const std::uint8_t* transposed;                           ///< y fastest, then z, then x; only for sweeps along x
     const ExtinctionGrid::Filled *filled, *filled_transposed; ///< of the rows of either
     Affine3d level_from_world;
     Vec3d voxel_sides_world;  ///< of the level's voxels
@@ -129,6 +129,7 @@ private:
     std::size_t pair_stride_ = 0;
     std::vector<Span> pair_extent_; // [pair row] from the first to behind the last voxel that is not empty
     AlignedArray<std::uint8_t> pairs_;
+    std::vector<float> tau_; // of a row of cells
 };
 
 } // namespace lumisweep

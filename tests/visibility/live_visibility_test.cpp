@@ -66,52 +66,61 @@ TEST(LiveVisibilityTest, SpareSlotsAreFewButEnough)
     EXPECT_EQ(LiveVisibility::spare_slots(32, 8), 96);
 }
 
-// The writer gives every direction the number of its round, cell by cell; a reader that met a slot being written would
+// The writer gives every direction the number of its round, over and over; a reader that met a slot being written would
 // find two numbers in it, or an older number than before.
 TEST(LiveVisibilityConcurrency, ReadersMeetWholeDirections)
 {
-    constexpr int rounds = 120;
+    const int reads = test::effort(800);
     for (const int spare : {1, 5, 16}) {
         LiveVisibility live(VisibilityGrid({256, 128, 4}, 4, 4), spare);
+        const std::size_t numbers = live.last_read().cell_count() / sizeof(std::uint32_t);
         for (int d = 0; d < 16; ++d)
             fill(live.settled(), d, 0);
-        std::atomic<bool> done = false;
+        std::atomic<bool> enough = false;
+        std::uint32_t round = 0;
         std::thread writer([&] {
             std::mt19937 random(9);
             std::vector<int> order(16);
             std::iota(order.begin(), order.end(), 0);
-            for (int round = 1; round <= rounds; ++round) {
+            while (!enough) {
+                ++round;
                 std::shuffle(order.begin(), order.end(), random);
                 for (int begin = 0; begin < 16; begin += spare) {
                     const std::span<const int> some = std::span(order).subspan(
                         static_cast<std::size_t>(begin), static_cast<std::size_t>(std::min(spare, 16 - begin)));
                     VisibilityGrid& staged = live.stage(some);
                     for (const int d : some)
-                        fill(staged, d, round);
+                        for (std::size_t i = 0; i < numbers; ++i)
+                            std::memcpy(staged.direction(d) + i * sizeof round, &round, sizeof round);
                     live.publish();
                 }
             }
-            done = true;
         });
-        int seen[16] = {}, reads = 0, torn = 0, backwards = 0;
-        for (bool last = false; !last; ++reads) {
-            last = done.load();
-            live.read([&](const VisibilityGrid& grid) {
-                for (int d = 0; d < 16; ++d) {
-                    const int value = grid.direction(d)[0];
-                    torn += all_are(grid, d, value) ? 0 : 1;
-                    backwards += value < seen[d] ? 1 : 0;
-                    seen[d] = value;
-                }
-            });
-        }
+        std::uint32_t seen[16] = {};
+        int torn = 0, backwards = 0;
+        const auto read = [&](const VisibilityGrid& grid) {
+            for (int d = 0; d < 16; ++d) {
+                std::this_thread::yield(); // the longer a read takes, the more it would meet
+                std::vector<std::uint32_t> found(numbers);
+                std::memcpy(found.data(), grid.direction(d), numbers * sizeof(std::uint32_t));
+                torn +=
+                    std::count(found.begin(), found.end(), found[0]) == static_cast<std::ptrdiff_t>(numbers) ? 0 : 1;
+                backwards += found[0] < seen[d] ? 1 : 0;
+                seen[d] = found[0];
+            }
+        };
+        while (live.published() == 0)
+            std::this_thread::yield();
+        for (int i = 0; i < reads; ++i)
+            live.read(read);
+        enough = true;
         writer.join();
+        live.read(read);
         EXPECT_EQ(torn, 0);
         EXPECT_EQ(backwards, 0);
-        EXPECT_GT(reads, 1);
-        for (const int value : seen)
-            EXPECT_EQ(value, rounds);
-        EXPECT_EQ(live.published(), 16U * rounds);
+        for (const std::uint32_t number : seen)
+            EXPECT_EQ(number, round);
+        EXPECT_EQ(live.published(), std::uint64_t{16} * round);
     }
 }
 

@@ -175,7 +175,7 @@ void Session::State::update_joint(const std::atomic<bool>* cancel)
 {
     const bool ended = sweeping && !background.busy(); // looked at before what is published
     const std::uint64_t published = visibility->published();
-    if (stale_joint || (published != published_in_joint && (ended || since_build_s >= joint_build_s))) {
+    if (stale_joint || (published != published_in_joint && (ended || since_build_s >= 3.0 * joint_build_s))) {
         joint_build_s = since_build_s = 0.0;
         {
             const Stopwatch watch(joint_build_s);

@@ -55,8 +55,8 @@ struct Session::State {
     void sweep_in_background();
     /// The input of sweeps has changed: what runs is of no use any more.
     void drop_sweep();
-    /// Brings the joint grid up to date with what is published. When nothing but published directions has changed, not
-    /// more than every other second goes into that, until all are there.
+    /// Brings the joint grid up to date with what is published. When nothing but published directions has changed, at
+    /// most a quarter of the time goes into that, until all are there. When cancelled it is left stale.
     void update_joint(const std::atomic<bool>* cancel);
     /// Takes a grid of the input's shape in place of the present one.
     void use_visibility(VisibilityGrid grid);

@@ -89,7 +89,7 @@ void register_machine(bool quick)
     const std::size_t dram = quick ? std::size_t{32} << 20 : std::size_t{768} << 20;
     const Place places[] = {
         {"L1", 24576}, {"L2", std::size_t{1} << 20}, {"16MB", std::size_t{16} << 20}, {"DRAM", dram}};
-    const double seconds = quick ? 0.01 : 0.25;
+    const double seconds = quick ? 0.01 : 0.1;
     for (const MachineKernels& kernels : machine_kernels()) {
         const std::string prefix = std::string("machine/") + kernels.name;
         const auto add = [&](const std::string& name, auto body) {

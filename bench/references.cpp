@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
-#include <span>
+#include <utility>
 
 #include "brute_force.h"
 #include "lumisweep/base/parallel.h"
@@ -38,25 +38,23 @@ void jittered(const Vec3d& corner, const Vec3d& side, int direction, int directi
     }
 }
 
-struct MeanSquare {
-    std::vector<double> per_cell;
-    double rms() const { return std::sqrt(mean()); }
-    double mean() const
-    {
-        return std::accumulate(per_cell.begin(), per_cell.end(), 0.0) / static_cast<double>(per_cell.size());
-    }
-    /// d√m = dm / 2√m.
-    double rms_error() const
-    {
-        const double m = mean(), count = static_cast<double>(per_cell.size());
-        double squares = 0.0;
-        for (const double x : per_cell)
-            squares += (x - m) * (x - m);
-        return m > 0.0 && count > 1.0 ? 0.5 * std::sqrt(squares / (count - 1.0) / count / m) : 0.0;
-    }
-};
+/// √m and its standard error: d√m = dm / 2√m.
+std::pair<double, double> root(const MeanAndError& m)
+{
+    return {std::sqrt(m.mean), m.mean > 0.0 ? 0.5 * m.error / std::sqrt(m.mean) : 0.0};
+}
 
 } // namespace
+
+MeanAndError mean_and_error(std::span<const double> values)
+{
+    const double count = static_cast<double>(values.size());
+    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+    double squares = 0.0;
+    for (const double x : values)
+        squares += (x - mean) * (x - mean);
+    return {mean, count > 1.0 ? std::sqrt(squares / (count - 1.0) / count) : 0.0};
+}
 
 References make_references(const ExtinctionGrid& extinction, const VisibilityGrid& grid, int positions,
                            std::uint64_t seed)
@@ -69,7 +67,7 @@ References make_references(const ExtinctionGrid& extinction, const VisibilityGri
     references.cells.resize(static_cast<std::size_t>(positions));
     references.exact.resize(references.cells.size() * directions);
     references.averaged.resize(references.exact.size());
-    const BruteForce brute_force(extinction, brute_force_kernels().front(), 2.0);
+    const BruteForce brute_force(extinction, brute_force_kernels().front());
     parallel_for(std::size_t{0}, references.cells.size(), [&](std::size_t c) {
         std::mt19937_64 random(seed + c * 0x9e3779b97f4a7c15ULL);
         Vec3i& cell = references.cells[c];
@@ -96,7 +94,7 @@ References make_references(const ExtinctionGrid& extinction, const VisibilityGri
 GridErrors errors_of(const VisibilityGrid& grid, const References& references)
 {
     const int directions = grid.direction_count();
-    MeanSquare exact, averaged;
+    std::vector<double> exact, averaged; // mean squares by cell
     for (std::size_t c = 0; c < references.cells.size(); ++c) {
         const Vec3i& cell = references.cells[c];
         double squares = 0.0, squares_averaged = 0.0;
@@ -108,10 +106,12 @@ GridErrors errors_of(const VisibilityGrid& grid, const References& references)
             squares += e * e;
             squares_averaged += e_averaged * e_averaged;
         }
-        exact.per_cell.push_back(squares / directions);
-        averaged.per_cell.push_back(squares_averaged / directions);
+        exact.push_back(squares / directions);
+        averaged.push_back(squares_averaged / directions);
     }
-    return {exact.rms(), exact.rms_error(), averaged.rms(), averaged.rms_error()};
+    const auto [rms, rms_error] = root(mean_and_error(exact));
+    const auto [rms_averaged, rms_averaged_error] = root(mean_and_error(averaged));
+    return {rms, rms_error, rms_averaged, rms_averaged_error};
 }
 
 } // namespace lumisweep::bench

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lumisweep/visibility/extinction_grid.h"
@@ -9,11 +10,16 @@
 
 namespace lumisweep::bench {
 
+struct MeanAndError {
+    double mean, error; ///< error: the standard error of the mean
+};
+MeanAndError mean_and_error(std::span<const double> values);
+
 /// At each of `cells`, all directions of an n × n map, in Morton order.
 struct References {
     std::vector<Vec3i> cells;
     std::vector<float> exact;    ///< at cell and texel centres, by the exact oracle on the classified volume
-    std::vector<float> averaged; ///< over cell and texel: 512 stratified rays, two samples a voxel
+    std::vector<float> averaged; ///< over cell and texel: 512 stratified rays, one sample a voxel
 };
 
 /// `extinction` is the volume at full resolution, `grid` tells the geometry. The same for the same seed.

@@ -2,18 +2,17 @@
 
 namespace lumisweep::bench {
 
-ExtinctionGrid Subject::classified(int mip_level, ExtinctionLayouts layouts) const
+void Subject::classify_again(ExtinctionGrid& grid, int mip_level, ExtinctionLayouts layouts) const
 {
-    return classify(specimen_.volume, range_, specimen_.transfer_function, mip_level, layouts);
+    classify_into(grid, specimen_.volume, range_, specimen_.transfer_function, mip_level, layouts);
 }
 
 const ExtinctionGrid& Subject::extinction(int mip_level)
 {
-    const auto found = extinction_.find(mip_level);
-    return found != extinction_.end()
-               ? found->second
-               : extinction_.emplace(mip_level, classified(mip_level, ExtinctionLayouts::with_transposed))
-                     .first->second;
+    const auto [found, is_new] = extinction_.try_emplace(mip_level);
+    if (is_new)
+        classify_again(found->second, mip_level, ExtinctionLayouts::with_transposed);
+    return found->second;
 }
 
 VisibilityGrid& Subject::grid(int cell)

@@ -20,8 +20,9 @@ public:
     explicit Subject(Specimen specimen) : specimen_(std::move(specimen)), range_(raw_range(specimen_.volume)) {}
 
     const ScalarGrid& volume() const { return specimen_.volume; }
-    /// Not kept: what classifying costs is itself measured.
-    ExtinctionGrid classified(int mip_level, ExtinctionLayouts layouts) const;
+    /// As after a change of the transfer function; not kept, as its cost is itself measured.
+    void classify_again(ExtinctionGrid& grid, int mip_level, ExtinctionLayouts layouts) const;
+    /// With all layouts; kept.
     const ExtinctionGrid& extinction(int mip_level);
     /// 8 × 8 directions; one cell size is held at a time.
     VisibilityGrid& grid(int cell);

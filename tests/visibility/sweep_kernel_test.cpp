@@ -358,6 +358,7 @@ TEST(SweepKernels, FilterPieces)
     std::mt19937 random(7);
     for (const int count : awkward_counts())
         for (const int shift : {0, 1, 4, 7}) {
+            const int half = (1 << shift) >> 1;
             const auto a = random_values<std::uint16_t>(random, count, 0, 65535);
             const auto b = random_values<std::uint16_t>(random, count, 0, whole_visibility);
             const auto c = random_values<std::uint16_t>(random, count, 0, whole_visibility);
@@ -367,10 +368,11 @@ TEST(SweepKernels, FilterPieces)
             std::vector<std::uint16_t> sum(n), slid(n), mean(n), row_mean(n);
             std::vector<std::uint8_t> bytes(n);
             for (std::size_t i = 0; i < n; ++i) {
-                const std::uint32_t ends = static_cast<std::uint32_t>((b[i] >> shift) + (c[i] >> shift));
+                const std::uint32_t ends =
+                    static_cast<std::uint32_t>(((b[i] + half) >> shift) + ((c[i] + half) >> shift));
                 const auto product = [](std::uint32_t x, std::uint32_t scale) { return (x * scale) >> 16; };
                 sum[i] = static_cast<std::uint16_t>(a[i] + b[i]);
-                slid[i] = static_cast<std::uint16_t>(a[i] + (b[i] >> shift) - (c[i] >> shift));
+                slid[i] = static_cast<std::uint16_t>(a[i] + ((b[i] + half) >> shift) - ((c[i] + half) >> shift));
                 mean[i] = static_cast<std::uint16_t>(product(a[i], scale_a[i]) + product(ends, scale_b[i]));
                 row_mean[i] = static_cast<std::uint16_t>(product(a[i], scale_a[0]) + product(ends, scale_b[0]));
                 bytes[i] = static_cast<std::uint8_t>(std::lround(b[i] / 16.0));

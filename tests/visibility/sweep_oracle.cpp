@@ -193,7 +193,7 @@ private:
         if (count == 1 || (reach == 0 && part < 1e-4))
             return;
         int shift = 0;
-        while ((whole_visibility >> shift) * std::min(2 * reach + 1, count) > 65535)
+        while (((whole_visibility + ((1 << shift) >> 1)) >> shift) * std::min(2 * reach + 1, count) > 65535)
             ++shift;
         std::vector<int> mean(static_cast<std::size_t>(count));
         for (int line = 0; line < lines; ++line) {
@@ -203,7 +203,7 @@ private:
             for (int i = 0; i < count; ++i) {
                 int whole = 0, cells = 0, ends = 0, end_cells = 0;
                 for (int j = 0; j < count; ++j) {
-                    const int distance = std::abs(i - j), v = cell(j) >> shift;
+                    const int distance = std::abs(i - j), v = (cell(j) + ((1 << shift) >> 1)) >> shift;
                     whole += distance <= reach ? v : 0;
                     cells += distance <= reach ? 1 : 0;
                     ends += distance == reach + 1 ? v : 0;

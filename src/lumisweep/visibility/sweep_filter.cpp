@@ -19,7 +19,7 @@ struct Box {
         const double side = std::clamp(0.5 * (box - 1.0), 0.0, static_cast<double>(count));
         reach = static_cast<int>(side);
         fraction = side - reach;
-        for (shift = 0; (whole_visibility >> shift) * std::min(width(), count) > 65535;)
+        for (shift = 0; ((whole_visibility + ((1 << shift) >> 1)) >> shift) * std::min(width(), count) > 65535;)
             ++shift;
     }
     int width() const { return 2 * reach + 1; }
@@ -91,7 +91,7 @@ void SliceFilter::along_u(std::uint16_t* slice, double box_width)
         scale_ends_[static_cast<std::size_t>(i)] = scales.ends;
     }
     // A row with zeros around it, so that the loops have no borders: cell i at row[i + pad].
-    const int pad = box.reach + 1, padded = width_ + 2 * pad;
+    const int pad = box.reach + 1, padded = width_ + 2 * pad, half = (1 << box.shift) >> 1;
     std::uint16_t* row = row_.data();
     std::fill(row, row + padded, std::uint16_t{0});
     for (int j = 0; j < height_; ++j) {
@@ -100,7 +100,7 @@ void SliceFilter::along_u(std::uint16_t* slice, double box_width)
             std::copy(line, line + width_, row + pad);
         else
             std::transform(line, line + width_, row + pad,
-                           [&](std::uint16_t v) { return static_cast<std::uint16_t>(v >> box.shift); });
+                           [&](std::uint16_t v) { return static_cast<std::uint16_t>((v + half) >> box.shift); });
         // Sums of 1, 2, 4, … neighbours; those in the width's binary digits make up the box.
         const std::uint16_t *power = row, *sums = row + 1;
         std::uint16_t *next_power = power_.data(), *spare_power = next_power_.data();

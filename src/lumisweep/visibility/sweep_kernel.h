@@ -84,11 +84,11 @@ struct SweepKernels {
                                   int count);
     /// out[i] = a[i] + b[i], mod 2^16.
     void (*add)(std::uint16_t* out, const std::uint16_t* a, const std::uint16_t* b, int count);
-    /// sums[i] += (entering[i] >> shift) − (leaving[i] >> shift), mod 2^16.
+    /// sums[i] += entering[i] / 2^shift − leaving[i] / 2^shift, each rounded to nearest, mod 2^16.
     void (*slide)(std::uint16_t* sums, const std::uint16_t* entering, const std::uint16_t* leaving, int shift,
                   int count);
-    /// out[i] = (whole[i] · scale_whole[i] + ((low[i] >> shift) + (high[i] >> shift)) · scale_ends[i]) / 65536, each
-    /// product rounded down.
+    /// out[i] = (whole[i] · scale_whole[i] + (low[i] / 2^shift + high[i] / 2^shift) · scale_ends[i]) / 65536, each
+    /// quotient rounded to nearest and each product down.
     void (*box_mean)(std::uint16_t* out, const std::uint16_t* whole, const std::uint16_t* low,
                      const std::uint16_t* high, int shift, const std::uint16_t* scale_whole,
                      const std::uint16_t* scale_ends, int count);

@@ -191,8 +191,10 @@ void add(std::uint16_t* out, const std::uint16_t* a, const std::uint16_t* b, int
 void slide(std::uint16_t* __restrict sums, const std::uint16_t* __restrict entering,
            const std::uint16_t* __restrict leaving, int shift, int count)
 {
+    const int half = (1 << shift) >> 1;
     for (int i = 0; i < count; ++i)
-        sums[i] = static_cast<std::uint16_t>(sums[i] + (entering[i] >> shift) - (leaving[i] >> shift));
+        sums[i] =
+            static_cast<std::uint16_t>(sums[i] + ((entering[i] + half) >> shift) - ((leaving[i] + half) >> shift));
 }
 
 inline __attribute__((always_inline)) std::uint16_t high_product(std::uint16_t a, std::uint16_t b)
@@ -204,8 +206,9 @@ void box_mean(std::uint16_t* __restrict out, const std::uint16_t* __restrict who
               const std::uint16_t* __restrict high, int shift, const std::uint16_t* __restrict scale_whole,
               const std::uint16_t* __restrict scale_ends, int count)
 {
+    const int half = (1 << shift) >> 1;
     for (int i = 0; i < count; ++i) {
-        const auto ends = static_cast<std::uint16_t>((low[i] >> shift) + (high[i] >> shift));
+        const auto ends = static_cast<std::uint16_t>(((low[i] + half) >> shift) + ((high[i] + half) >> shift));
         out[i] = static_cast<std::uint16_t>(high_product(whole[i], scale_whole[i]) + high_product(ends, scale_ends[i]));
     }
 }
@@ -214,8 +217,9 @@ void box_mean_row(std::uint16_t* __restrict out, const std::uint16_t* __restrict
                   const std::uint16_t* __restrict low, const std::uint16_t* __restrict high, int shift,
                   std::uint16_t scale_whole, std::uint16_t scale_ends, int count)
 {
+    const int half = (1 << shift) >> 1;
     for (int i = 0; i < count; ++i) {
-        const auto ends = static_cast<std::uint16_t>((low[i] >> shift) + (high[i] >> shift));
+        const auto ends = static_cast<std::uint16_t>(((low[i] + half) >> shift) + ((high[i] + half) >> shift));
         out[i] = static_cast<std::uint16_t>(high_product(whole[i], scale_whole) + high_product(ends, scale_ends));
     }
 }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include "generated_volumes.h"
@@ -154,6 +155,7 @@ TEST(Sweep, SameBitsForAnyNumberOfThreads)
     const ExtinctionGrid ct = classified(ct_like({45, 38, 41}, oblique()), bone(), 0);
     const VisibilitySettings settings = settings_of(8, 3, all_rays, SweepFilter::half_angle);
     const VisibilityGrid expected = swept(ct, settings);
+    const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
     for (const int threads : {1, 2, 7}) {
         tbb::task_arena arena(threads);
         EXPECT_TRUE(arena.execute([&] { return same(swept(ct, settings), expected); })) << threads;

@@ -22,7 +22,8 @@ double filter_angle(SweepFilter filter, int directions);
 
 /// Box filter over a slice of `width` × `height` cells of V, of which whole_visibility is 1; sides ≥ 1 in cells (1
 /// leaves things as they are). The box has fractional ends; where it leaves the slice it averages what is inside.
-/// Within 2/4080 for boxes of up to 15 cells; wider ones sum fewer bits, at worst (255 cells) 8.
+/// Within 2/4080 an axis for boxes of up to 15 cells; wider ones sum fewer bits: within 3 to 31 cells, 10 to 255 and
+/// 66 to 2047, as what is cut off is rounded.
 class SliceFilter {
 public:
     SliceFilter(const SweepKernels& kernels, int width, int height);

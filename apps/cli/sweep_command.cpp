@@ -1,4 +1,5 @@
 // lumisweep sweep: the visibility grid alone, timed, and checked against brute force.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -12,6 +13,8 @@
 
 #include "commands.h"
 #include "lumisweep/base/memory.h"
+#include "lumisweep/base/stopwatch.h"
+#include "lumisweep/sampling/joint_grid.h"
 #include "lumisweep/scene/load_scene.h"
 #include "lumisweep/visibility/brute_force.h"
 #include "lumisweep/visibility/extinction_grid.h"
@@ -29,13 +32,27 @@ struct SweepOptions {
 };
 
 struct SweepRun {
-    double load_s = 0.0, classify_s = 0.0;
+    double load_s = 0.0, classify_s = 0.0, product_s = 0.0;
+    bool automatic_rays = false;
     SweepStats sweep;
     Vec3i cells{0, 0, 0};
     int directions = 0, threads = 0;
-    std::uint64_t volume_bytes = 0, extinction_bytes = 0, visibility_bytes = 0;
+    std::uint64_t volume_bytes = 0, extinction_bytes = 0, visibility_bytes = 0, product_bytes = 0;
     std::optional<SweepCheck> check;
 };
+
+/// The product with the light, as the direction strategies sample it; none with a black environment.
+void take_product(SweepRun& run, const VisibilityGrid& grid, const SessionInput& input)
+{
+    if (!(input.environment->mean_luminance() > 0.0))
+        return;
+    const Environment light =
+        input.environment->refined(std::max(input.environment->resolution(), input.visibility.directions));
+    const Stopwatch watch(run.product_s);
+    const JointGrid product(grid, input.volume->size(), light, JointFactor::visibility_times_light,
+                            input.visibility.epsilon);
+    run.product_bytes = product.bytes();
+}
 
 SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
 {
@@ -60,6 +77,8 @@ SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
     run.volume_bytes = input.volume->bytes();
     run.extinction_bytes = extinction.bytes();
     run.visibility_bytes = grid.bytes();
+    run.automatic_rays = input.visibility.rays == 0;
+    take_product(run, grid, input);
     if (options.check > 0) {
         const ExtinctionGrid finest =
             classify(*input.volume, range, input.transfer_function, 0, ExtinctionLayouts::straight);
@@ -68,20 +87,34 @@ SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
     return run;
 }
 
+double steps_per_second(const SweepRun& run)
+{
+    const double seconds = run.sweep.layout_s + run.sweep.march_s;
+    return seconds > 0.0 ? static_cast<double>(run.sweep.voxel_steps) / seconds : 0.0;
+}
+
 void print_json(const SweepRun& run)
 {
     nlohmann::ordered_json json;
-    json["seconds"] = {{"load", run.load_s},         {"classify", run.classify_s},   {"sweep", run.sweep.total_s},
-                       {"march", run.sweep.march_s}, {"lookup", run.sweep.lookup_s}, {"filter", run.sweep.filter_s}};
+    json["seconds"] = {
+        {"load", run.load_s}, {"classify", run.classify_s}, {"sweep", run.sweep.total_s}, {"product", run.product_s}};
+    json["processor_seconds"] = {{"layouts", run.sweep.layout_s},
+                                 {"march", run.sweep.march_s},
+                                 {"lookup", run.sweep.lookup_s},
+                                 {"filter", run.sweep.filter_s}};
     json["cells"] = {run.cells.x, run.cells.y, run.cells.z};
     json["directions"] = run.directions;
     json["rays"] = run.sweep.rays;
     json["mip_level"] = run.sweep.mip_level;
+    json["rays_chosen"] = run.automatic_rays ? "auto" : "given";
     json["voxel_steps"] = run.sweep.voxel_steps;
+    json["voxel_steps_per_second"] = steps_per_second(run);
+    json["bytes_read"] = run.sweep.bytes_read;
     json["threads"] = run.threads;
     json["memory_bytes"] = {{"volume", run.volume_bytes},
                             {"extinction", run.extinction_bytes},
                             {"visibility", run.visibility_bytes},
+                            {"product", run.product_bytes},
                             {"peak_rss", peak_resident_memory()}};
     if (run.check)
         json["check"] = {{"positions", run.check->positions},
@@ -96,15 +129,19 @@ void print_text(const SweepRun& run)
 {
     fmt::print("visibility grid  {} x {} x {} cells, {} directions\n", run.cells.x, run.cells.y, run.cells.z,
                run.directions);
-    fmt::print("sweep kernel     {} rays along the longer side (mip level {}), {:.4g} voxel steps\n", run.sweep.rays,
-               run.sweep.mip_level, static_cast<double>(run.sweep.voxel_steps));
+    fmt::print("rays             {} along the longer side (mip level {}{}), {:.4g} voxel steps\n", run.sweep.rays,
+               run.sweep.mip_level, run.automatic_rays ? ", chosen by \"auto\"" : "",
+               static_cast<double>(run.sweep.voxel_steps));
     fmt::print("load             {:.3f} s\nclassify         {:.3f} s\nsweep            {:.3f} s on {} threads\n",
                run.load_s, run.classify_s, run.sweep.total_s, run.threads);
-    fmt::print("  march {:.3f} s, lookup {:.3f} s, filter {:.3f} s, summed over threads\n", run.sweep.march_s,
-               run.sweep.lookup_s, run.sweep.filter_s);
-    fmt::print("memory           volume {}, extinction {}, visibility {}, peak {}\n", format_bytes(run.volume_bytes),
-               format_bytes(run.extinction_bytes), format_bytes(run.visibility_bytes),
-               format_bytes(peak_resident_memory()));
+    fmt::print("  layouts {:.3f} s, march {:.3f} s, lookup {:.3f} s, filter {:.3f} s: processor time of all threads\n",
+               run.sweep.layout_s, run.sweep.march_s, run.sweep.lookup_s, run.sweep.filter_s);
+    fmt::print("  {:.3g} voxel steps a second of layouts and march, {} of voxels read\n", steps_per_second(run),
+               format_bytes(run.sweep.bytes_read));
+    fmt::print("product          {:.3f} s\n", run.product_s);
+    fmt::print("memory           volume {}, extinction {}, visibility {}, product {}, peak {}\n",
+               format_bytes(run.volume_bytes), format_bytes(run.extinction_bytes), format_bytes(run.visibility_bytes),
+               format_bytes(run.product_bytes), format_bytes(peak_resident_memory()));
     if (run.check)
         fmt::print(
             "check            {} positions: rms {:.4f}, largest {:.4f} against brute force; rms {:.4f}, largest {:.4f} "

@@ -26,7 +26,7 @@ constexpr const char* full_scene = R"({
              "lens_radius": 0.5, "focus_distance": 500},
   "image": {"width": 320, "height": 200, "show_environment": false},
   "render": {"strategy": "combined", "samples": 16, "seed": 18446744073709551615},
-  "visibility": {"directions": 16, "cell": 8, "rays": 256, "filter": "full-angle", "epsilon": 0.02} /* end */
+  "visibility": {"directions": 16, "cell": 8, "rays": 256, "filter": "full-angle", "oversampling": 4, "epsilon": 0.02} /* end */
 })";
 
 SceneDescription parsed(const std::string& text, const std::vector<SceneOverride>& overrides = {})
@@ -90,6 +90,7 @@ TEST(SceneFile, DefaultsAreTheContracts)
     EXPECT_EQ(scene.visibility.directions, 8);
     EXPECT_EQ(scene.visibility.cell, 4);
     EXPECT_EQ(scene.visibility.rays, 0);
+    EXPECT_EQ(scene.visibility.oversampling, 1);
     EXPECT_EQ(scene.visibility.epsilon, 0.1);
 }
 
@@ -181,6 +182,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{R"({"render": {"seed": 18446744073709551616}})", "render.seed"},
         Refused{R"({"visibility": {"directions": 7}})", "visibility.directions: 7 is no power of two"},
         Refused{R"({"visibility": {"cell": 65}})", "visibility.cell"},
+        Refused{R"({"visibility": {"oversampling": 2}})", "visibility.oversampling"},
         Refused{R"({"visibility": {"epsilon": 0}})", "visibility.epsilon"},
         Refused{R"({"visibility": {"rays": "some"}})", "visibility.rays"},
         Refused{R"({"visibility": {"filter": true}})", "visibility.filter"}));

@@ -16,6 +16,7 @@
 #include "generated_volumes.h"
 #include "kernel_tables.h"
 #include "lumisweep/visibility/sweep.h"
+#include "stored_voxels.h"
 
 namespace lumisweep {
 namespace {
@@ -95,51 +96,22 @@ struct SweepCase {
         }
     }
 
-    /// What of each row is not empty: to the voxel, or in whole lines as classify() says it.
-    static std::vector<ExtinctionGrid::Filled> filled_rows(const AlignedArray<std::uint8_t>& voxels, int length,
-                                                           bool in_lines)
-    {
-        std::vector<ExtinctionGrid::Filled> rows;
-        for (const std::uint8_t* row = voxels.begin(); row != voxels.end(); row += length) {
-            ExtinctionGrid::Filled filled{length, 0};
-            for (int i = 0; i < length; ++i)
-                if (row[i] != 0)
-                    filled = {std::min(filled.first, i), i + 1};
-            if (in_lines && filled.first < filled.last)
-                filled = {filled.first / 64 * 64, std::min((filled.last + 63) / 64 * 64, length)};
-            rows.push_back(filled);
-        }
-        return rows;
-    }
-
     void fill()
     {
         const Vec3i& size = extinction.size;
-        const std::size_t x = static_cast<std::size_t>(size.x), y = static_cast<std::size_t>(size.y);
-        const std::size_t z = static_cast<std::size_t>(size.z);
-        extinction.stored = AlignedArray<std::uint8_t>(x * y * z);
-        extinction.transposed = AlignedArray<std::uint8_t>(x * y * z);
-        // Constant, rare voxels, noise, noise in a part of the box.
+        // Constant, rare voxels, noise in a part of the box, noise.
         const int kind = integer(0, 4), rare = integer(1, 200);
         const Vec3i low{integer(0, size.x - 1), integer(0, size.y - 1), integer(0, size.z - 1)};
         const Vec3i high{integer(low.x, size.x), integer(low.y, size.y), integer(low.z, size.z)};
-        for (int k = 0; k < size.z; ++k)
-            for (int j = 0; j < size.y; ++j)
-                for (int i = 0; i < size.x; ++i) {
-                    const bool inside =
-                        i >= low.x && i < high.x && j >= low.y && j < high.y && k >= low.z && k < high.z;
-                    const int value = kind == 0   ? 255
-                                      : kind == 1 ? (integer(0, rare) == 0 ? 255 : 0)
-                                      : kind == 2 ? (inside ? integer(0, 255) : 0)
-                                                  : integer(0, 255);
-                    const std::size_t at[3] = {static_cast<std::size_t>(i), static_cast<std::size_t>(j),
-                                               static_cast<std::size_t>(k)};
-                    extinction.stored[(at[2] * y + at[1]) * x + at[0]] = static_cast<std::uint8_t>(value);
-                    extinction.transposed[(at[0] * z + at[2]) * y + at[1]] = static_cast<std::uint8_t>(value);
-                }
-        const bool in_lines = integer(0, 1) == 0;
-        extinction.filled = filled_rows(extinction.stored, size.x, in_lines);
-        extinction.filled_transposed = filled_rows(extinction.transposed, size.y, in_lines);
+        store_voxels(extinction, pick({FilledIn::voxels, FilledIn::lines}), [&](int i, int j, int k) {
+            const bool inside = i >= low.x && i < high.x && j >= low.y && j < high.y && k >= low.z && k < high.z;
+            switch (kind) {
+            case 0: return 255;
+            case 1: return integer(0, rare) == 0 ? 255 : 0;
+            case 2: return inside ? integer(0, 255) : 0;
+            default: return integer(0, 255);
+            }
+        });
         // Optical depths about 1, to the far end or less far.
         const double mean = kind == 1 ? 255.0 / (rare + 1) : 128.0;
         extinction.scale = static_cast<float>(real(0.3, 10.0) / (mean * std::max({size.x, size.y, size.z})));

@@ -55,7 +55,7 @@ std::uint64_t hash_of(const VisibilitySettings& visibility)
 {
     return hash_numbers({static_cast<double>(visibility.directions), static_cast<double>(visibility.cell),
                          static_cast<double>(visibility.rays), static_cast<double>(visibility.filter),
-                         visibility.epsilon});
+                         static_cast<double>(visibility.oversampling), visibility.epsilon});
 }
 
 } // namespace

@@ -175,7 +175,7 @@ void read_render(const ordered_json& value, const JsonPlace& place, RenderSettin
 
 VisibilitySettings read_visibility(const ordered_json& value, const JsonPlace& place)
 {
-    const ObjectReader reader(value, place, {"directions", "cell", "rays", "filter", "epsilon"});
+    const ObjectReader reader(value, place, {"directions", "cell", "rays", "filter", "oversampling", "epsilon"});
     VisibilitySettings visibility;
     reader.whole("directions", visibility.directions, 1, 32);
     require((visibility.directions & (visibility.directions - 1)) == 0,
@@ -188,6 +188,9 @@ VisibilitySettings read_visibility(const ordered_json& value, const JsonPlace& p
     }
     if (const auto filter = reader.choice("filter", filter_names))
         visibility.filter = static_cast<SweepFilter>(*filter);
+    reader.whole("oversampling", visibility.oversampling, 1, 16);
+    require(visibility.oversampling == 1 || visibility.oversampling == 4 || visibility.oversampling == 16,
+            "{}: {} is not one of 1, 4 and 16", reader.place("oversampling").text(), visibility.oversampling);
     reader.number("epsilon", visibility.epsilon, {0.0, 1.0, Ends::open_low});
     return visibility;
 }

@@ -110,6 +110,7 @@ ordered_json json_of(const SceneDescription& scene)
                           {"cell", visibility.cell},
                           {"rays", visibility.rays == 0 ? ordered_json("auto") : ordered_json(visibility.rays)},
                           {"filter", std::string(filter_names[static_cast<std::size_t>(visibility.filter)])},
+                          {"oversampling", visibility.oversampling},
                           {"epsilon", visibility.epsilon}};
     return json;
 }

@@ -211,6 +211,7 @@ SweepStats sweep_visibility_with(const SweepKernels& kernels, VisibilityGrid& gr
         stats.lookup_s += worker.stats().lookup_s;
         stats.filter_s += worker.stats().filter_s;
         stats.voxel_steps += worker.stats().voxel_steps;
+        stats.bytes_read += worker.stats().bytes_read;
     }
     stats.mip_level = level;
     stats.rays = std::max({marched.size.x, marched.size.y, marched.size.z});

@@ -170,7 +170,7 @@ bool GroupMarch::run(std::span<RayPlane> planes, SweepStats& stats)
                     place(planes[d], strip, slab, first, parts_[d]);
                 {
                     const ProcessorStopwatch watch(stats.layout_s);
-                    make_pairs(planes);
+                    make_pairs(planes, stats);
                 }
                 const ProcessorStopwatch watch(stats.march_s);
                 march(planes, stats);
@@ -250,7 +250,7 @@ void GroupMarch::place_blocks(const SweepAxis& u, Part& part)
 }
 
 /// Of all slices and rows that the parts look at.
-void GroupMarch::make_pairs(std::span<RayPlane> planes)
+void GroupMarch::make_pairs(std::span<RayPlane> planes, SweepStats& stats)
 {
     const SweepGeometry& g = planes.front().geometry();
     first_slice_ = parts_.front().pieces.front().slice;
@@ -298,9 +298,11 @@ void GroupMarch::make_pairs(std::span<RayPlane> planes)
             *extent = !a_filled   ? Span{b.first, b.last}
                       : !b_filled ? Span{a.first, a.last}
                                   : Span{std::min(a.first, b.first), std::max(a.last, b.last)};
-            if (a_filled || b_filled)
-                kernels_.make_pairs(pairs, layout.voxels + low * layout.row_length,
-                                    layout.voxels + high * layout.row_length, g.u.size);
+            if (!a_filled && !b_filled)
+                continue;
+            stats.bytes_read += layout.row_length;
+            kernels_.make_pairs(pairs, layout.voxels + low * layout.row_length,
+                                layout.voxels + high * layout.row_length, g.u.size);
         }
     }
 }

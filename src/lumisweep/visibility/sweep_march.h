@@ -116,7 +116,7 @@ private:
     Span ray_rows(const RayPlane& plane, const Strip& strip, int slab) const;
     void place(const RayPlane& plane, const Strip& strip, int slab, std::size_t first_piece, Part& part) const;
     static void place_blocks(const SweepAxis& u, Part& part);
-    void make_pairs(std::span<RayPlane> planes);
+    void make_pairs(std::span<RayPlane> planes, SweepStats& stats);
     void march(std::span<RayPlane> planes, SweepStats& stats);
     void march_row(RayPlane& plane, const Part& part, int ray_row);
 

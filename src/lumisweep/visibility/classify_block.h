@@ -16,8 +16,11 @@ struct RawRange;       // volume/raw_range.h
 class TransferFunction;
 enum class ExtinctionLayouts;
 
-/// Rows of a block: a line of the transposed layout is then 64 bytes, a cache line.
-inline constexpr int classify_block_rows = 64;
+/// Rows of a block at most: long lines of the transposed layout, in a piece of the straight one that stays in the
+/// second-level cache.
+inline constexpr int classify_block_rows = 512;
+/// Bytes from line to line of ClassifyScratch::lines: whole cache lines, and not a power of two of them.
+inline constexpr int scratch_line = classify_block_rows + 64;
 
 /// What all blocks share. Extinction counts in stored steps, in 16.16 fixed point until it is dithered; all of 255.
 struct ClassifyJob {
@@ -42,9 +45,10 @@ struct ClassifyJob {
 struct ClassifyScratch {
     std::int32_t* steps; ///< [2][finest voxels along x, rounded up to 16 and to a whole level voxel]
     std::uint64_t* sums; ///< [level voxels along x]
+    std::uint8_t* lines; ///< [64][scratch_line]
 };
 
-/// Classifies rows first_row … first_row + 63 of level slice `slice`, as far as there are.
+/// Classifies rows first_row … first_row + classify_block_rows − 1 of level slice `slice`, as far as there are.
 using ClassifyBlock = void (*)(const ClassifyJob& job, int slice, int first_row, const ClassifyScratch& scratch);
 
 void classify_block_baseline(const ClassifyJob& job, int slice, int first_row, const ClassifyScratch& scratch);

@@ -24,6 +24,18 @@ struct ClassifyLanes<Avx2Float> {
     {
         transpose(from, from_stride, to, to_stride, 64, 64);
     }
+    /// Whole cache lines are streamed: they need not be read to be written.
+    LUMISWEEP_HD static void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t count)
+    {
+        const std::size_t before = -reinterpret_cast<std::uintptr_t>(to) % 64, head = before < count ? before : count;
+        __builtin_memcpy(to, from, head);
+        std::size_t i = head;
+        for (; i + 64 <= count; i += 64)
+            for (std::size_t half : {0, 32})
+                _mm256_stream_si256(reinterpret_cast<__m256i*>(to + i + half),
+                                    _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + i + half)));
+        __builtin_memcpy(to + i, from + i, count - i);
+    }
 };
 
 } // namespace
@@ -31,6 +43,7 @@ struct ClassifyLanes<Avx2Float> {
 void classify_block_avx2(const ClassifyJob& job, int slice, int first_row, const ClassifyScratch& scratch)
 {
     classify_block_lanes<Avx2Float, GatheredSegments<Avx2Float>>(job, slice, first_row, scratch);
+    _mm_sfence(); // streamed lines are visible to whoever waits for this task
 }
 
 } // namespace lumisweep

@@ -20,8 +20,7 @@ struct ClassifyLanes<Avx512Float> {
         return _mm512_cvtepi16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(raw)));
     }
 
-    /// Each lane of 16 bytes as transpose_16, then the lanes. Where lines are aligned they go past the caches: nobody
-    /// reads them before the volume is complete, and they need not be read to be written.
+    /// Each lane of 16 bytes as transpose_16, then the lanes.
     LUMISWEEP_HD static void transpose_64(const std::uint8_t* from, std::size_t from_stride, std::uint8_t* to,
                                           std::size_t to_stride)
     {
@@ -36,18 +35,28 @@ struct ClassifyLanes<Avx512Float> {
                 zip(b, a);
             }
         }
-        const bool aligned = (reinterpret_cast<std::uintptr_t>(to) | to_stride) % 64 == 0;
         for (std::size_t c = 0; c < 16; ++c) {
             const __m512i low0 = _mm512_shuffle_i64x2(part[0][c], part[1][c], 0x44);
             const __m512i low1 = _mm512_shuffle_i64x2(part[2][c], part[3][c], 0x44);
             const __m512i high0 = _mm512_shuffle_i64x2(part[0][c], part[1][c], 0xee);
             const __m512i high1 = _mm512_shuffle_i64x2(part[2][c], part[3][c], 0xee);
             std::uint8_t* line = to + c * to_stride;
-            write(line, _mm512_shuffle_i64x2(low0, low1, 0x88), aligned);
-            write(line + 16 * to_stride, _mm512_shuffle_i64x2(low0, low1, 0xdd), aligned);
-            write(line + 32 * to_stride, _mm512_shuffle_i64x2(high0, high1, 0x88), aligned);
-            write(line + 48 * to_stride, _mm512_shuffle_i64x2(high0, high1, 0xdd), aligned);
+            _mm512_storeu_si512(line, _mm512_shuffle_i64x2(low0, low1, 0x88));
+            _mm512_storeu_si512(line + 16 * to_stride, _mm512_shuffle_i64x2(low0, low1, 0xdd));
+            _mm512_storeu_si512(line + 32 * to_stride, _mm512_shuffle_i64x2(high0, high1, 0x88));
+            _mm512_storeu_si512(line + 48 * to_stride, _mm512_shuffle_i64x2(high0, high1, 0xdd));
         }
+    }
+
+    /// Whole cache lines are streamed: they need not be read to be written.
+    LUMISWEEP_HD static void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t count)
+    {
+        const std::size_t before = -reinterpret_cast<std::uintptr_t>(to) % 64, head = before < count ? before : count;
+        copy_part(to, from, head);
+        std::size_t i = head;
+        for (; i + 64 <= count; i += 64)
+            _mm512_stream_si512(reinterpret_cast<__m512i*>(to + i), _mm512_loadu_si512(from + i));
+        copy_part(to + i, from + i, count - i);
     }
 
 private:
@@ -58,12 +67,10 @@ private:
             b[2 * r + 1] = _mm512_unpackhi_epi8(a[r], a[r + 8]);
         }
     }
-    LUMISWEEP_HD static void write(std::uint8_t* to, __m512i line, bool aligned)
+    LUMISWEEP_HD static void copy_part(std::uint8_t* to, const std::uint8_t* from, std::size_t count)
     {
-        if (aligned)
-            _mm512_stream_si512(reinterpret_cast<__m512i*>(to), line);
-        else
-            _mm512_storeu_si512(to, line);
+        const __mmask64 bytes = (__mmask64{1} << count) - 1; // fewer than 64
+        _mm512_mask_storeu_epi8(to, bytes, _mm512_maskz_loadu_epi8(bytes, from));
     }
 };
 

@@ -15,6 +15,10 @@ struct ClassifyLanes<float> {
     {
         transpose(from, from_stride, to, to_stride, 64, 64);
     }
+    LUMISWEEP_HD static void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t count)
+    {
+        __builtin_memcpy(to, from, count);
+    }
 };
 
 } // namespace

@@ -1,75 +1,14 @@
 // Body of classify_block.h over the lane type F, included by one file per instruction set. That file gives
-// ClassifyLanes<F> and may give a FloatSteps<F> of its own.
+// ClassifyLanes<F> and the way to find segments.
 #pragma once
 
 #include "lumisweep/math/lanes.h"
-#include "lumisweep/visibility/classify_block.h"
+#include "lumisweep/visibility/classify_steps.h"
 #include "lumisweep/visibility/dither.h"
 #include "lumisweep/visibility/transpose_block.h"
 
 namespace lumisweep {
 namespace {
-
-/// widened(raw): voxels of 8 or 16 bits as int_of<F>.
-/// transpose_64(…): transposes 64 × 64 bytes.
-template <class F>
-struct ClassifyLanes;
-
-/// Steps of voxels of 8 and 16 bits. empty(): certainly all 0, found out at less cost.
-template <class F>
-class TableSteps {
-public:
-    explicit TableSteps(const ClassifyJob& job)
-        : table_(job.table), empty_first_(job.empty_first), empty_last_(job.empty_last)
-    {
-    }
-    template <class T>
-    LUMISWEEP_HD int_of<F> load_raw(const T* raw) const
-    {
-        return ClassifyLanes<F>::widened(raw);
-    }
-    LUMISWEEP_HD bool empty(const int_of<F>& raw) const { return !any((raw < empty_first_) | (raw > empty_last_)); }
-    LUMISWEEP_HD int_of<F> operator()(const int_of<F>& raw) const { return gather(table_, raw); }
-
-private:
-    const std::int32_t* table_;
-    int_of<F> empty_first_, empty_last_;
-};
-
-/// The renderer's search for the segment, for any number of points.
-template <class F>
-struct GatheredSegments {
-    explicit GatheredSegments(const TransferFunctionView& view) : tf(view) {}
-    LUMISWEEP_HD F extinction(const F& value) const
-    {
-        const TransferSegment<F> s = find_segment(tf, value);
-        return s.offset * gather(tf.table + 2 * tf.stride, s.index) + gather(tf.table + tf.stride, s.index);
-    }
-    const TransferFunctionView& tf;
-};
-
-/// Steps of float voxels.
-template <class F, class Segments>
-class FloatSteps {
-public:
-    explicit FloatSteps(const ClassifyJob& job)
-        : segments_(job.tf), slope_(job.tf.slope), intercept_(job.tf.intercept), steps_of_one_(job.steps_of_one),
-          empty_first_(job.empty_first_value), empty_end_(job.empty_end_value)
-    {
-    }
-    LUMISWEEP_HD F load_raw(const float* raw) const { return load<F>(raw) * slope_ + intercept_; }
-    LUMISWEEP_HD bool empty(const F& value) const { return all((value >= empty_first_) & (value < empty_end_)); }
-    LUMISWEEP_HD int_of<F> operator()(const F& value) const
-    {
-        const F steps = min(max(segments_.extinction(value) * steps_of_one_, F(0.0F)), F(255.0F * 65536.0F));
-        constexpr float largest = 3.40282347e38F; // what lies beyond, and NaN, is empty
-        return to_int(select(abs(value) <= F(largest), steps, F(0.0F)) + F(0.5F));
-    }
-
-private:
-    Segments segments_;
-    F slope_, intercept_, steps_of_one_, empty_first_, empty_end_;
-};
 
 enum class Sum { first, further };
 
@@ -227,7 +166,7 @@ void classify_rows(const ClassifyJob& job, const T* voxels, int slice, int first
 }
 
 template <class F>
-void transpose_rows(const ClassifyJob& job, int slice, int first_row, int end_row)
+void transpose_rows(const ClassifyJob& job, int slice, int first_row, int end_row, std::uint8_t* lines)
 {
     const std::size_t nx = static_cast<std::size_t>(job.size.x), ny = static_cast<std::size_t>(job.size.y);
     const std::size_t stride = static_cast<std::size_t>(job.size.z) * ny;
@@ -235,10 +174,20 @@ void transpose_rows(const ClassifyJob& job, int slice, int first_row, int end_ro
     const std::size_t first = static_cast<std::size_t>(slice) * ny + static_cast<std::size_t>(first_row);
     const std::uint8_t* from = job.stored + first * nx;
     std::uint8_t* to = job.transposed + first;
-    std::size_t x = 0;
-    for (; rows == 64 && x + 64 <= nx; x += 64)
-        ClassifyLanes<F>::transpose_64(from + x, nx, to + x * stride, stride);
-    transpose(from + x, nx, to + x * stride, stride, nx - x, rows);
+    const bool large = nx >= 64 && rows >= 64;
+    for (std::size_t x = 0; x < nx; x += 64) {
+        // Whole squares: the last ones overlap those before them.
+        const std::size_t begin = large && x + 64 > nx ? nx - 64 : x, end = x + 64 < nx ? x + 64 : nx;
+        if (large)
+            for (std::size_t y = 0; y < rows; y += 64) {
+                const std::size_t begin_y = y + 64 > rows ? rows - 64 : y;
+                ClassifyLanes<F>::transpose_64(from + begin_y * nx + begin, nx, lines + begin_y, scratch_line);
+            }
+        else
+            transpose(from + begin, nx, lines, scratch_line, end - begin, rows);
+        for (std::size_t i = x; i < end; ++i)
+            ClassifyLanes<F>::copy(to + i * stride, lines + (i - begin) * scratch_line, rows);
+    }
 }
 
 template <class F, class FloatSegments>
@@ -259,7 +208,7 @@ void classify_block_lanes(const ClassifyJob& job, int slice, int first_row, cons
     default: rows_of.template operator()<FloatSteps<F, FloatSegments>>(static_cast<const float*>(job.voxels)); break;
     }
     if (job.transposed != nullptr)
-        transpose_rows<F>(job, slice, first_row, end_row);
+        transpose_rows<F>(job, slice, first_row, end_row, scratch.lines);
 }
 
 } // namespace

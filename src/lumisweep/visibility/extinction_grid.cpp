@@ -91,7 +91,8 @@ bool classify_blocks(ClassifyBlock block, const ClassifyJob& job, const std::ato
             return;
         AlignedArray<std::int32_t> steps(2 * static_cast<std::size_t>(row));
         AlignedArray<std::uint64_t> sums(static_cast<std::size_t>(job.size.x));
-        block(job, task / blocks, task % blocks * classify_block_rows, {steps.data(), sums.data()});
+        AlignedArray<std::uint8_t> lines(64 * scratch_line, Contents::uninitialised);
+        block(job, task / blocks, task % blocks * classify_block_rows, {steps.data(), sums.data(), lines.data()});
     });
     return !cancelled();
 }

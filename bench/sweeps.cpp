@@ -1,8 +1,6 @@
 #include "sweeps.h"
 
 #include <algorithm>
-#include <numeric>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,7 +9,7 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
-#include "brute_force.h"
+#include "brute_force_rows.h"
 #include "lumisweep/base/memory.h"
 #include "lumisweep/sampling/joint_grid.h"
 #include "lumisweep/visibility/sweep.h"
@@ -109,68 +107,6 @@ void product(benchmark::State& state, Subjects& subjects, const Plan& plan, int 
     state.counters["joint_bytes"] = static_cast<double>(joint.bytes());
 }
 
-constexpr std::size_t row_block = 8; // rows of cells that brute force marches together
-
-/// The rows (j, k) of cells that are marched: all of a small grid, else blocks of neighbours at random.
-std::vector<int> rows_to_march(const VisibilityGrid& grid, double most_rays)
-{
-    const auto rows = static_cast<std::size_t>(grid.cells().y) * static_cast<std::size_t>(grid.cells().z);
-    std::vector<int> chosen(rows);
-    std::iota(chosen.begin(), chosen.end(), 0);
-    const double rays_per_row = static_cast<double>(grid.cells().x) * grid.direction_count();
-    if (static_cast<double>(rows) * rays_per_row <= 8.0 * most_rays)
-        return chosen;
-    std::vector<std::size_t> blocks(rows / row_block);
-    std::iota(blocks.begin(), blocks.end(), std::size_t{0});
-    std::shuffle(blocks.begin(), blocks.end(), std::mt19937_64(brute_force_seed));
-    blocks.resize(static_cast<std::size_t>(most_rays / rays_per_row / row_block) + 1);
-    chosen.clear();
-    for (const std::size_t b : blocks)
-        for (std::size_t row = 0; row < row_block; ++row)
-            chosen.push_back(static_cast<int>(b * row_block + row));
-    return chosen;
-}
-
-/// On one core; what the whole grid takes is cpu_time · cells_total / cells_marched, give or take relative_error.
-void brute_force(benchmark::State& state, Subjects& subjects, const Plan& plan, int cell)
-{
-    Subject& subject = subjects.get(plan.subject);
-    const VisibilityGrid& grid = subject.grid(cell);
-    const Vec3i size = subject.volume().size(), cells = grid.cells();
-    const Vec3d side{static_cast<double>(size.x) / cells.x, static_cast<double>(size.y) / cells.y,
-                     static_cast<double>(size.z) / cells.z};
-    const BruteForce marcher(subject.extinction(0), brute_force_kernels().front());
-    const std::vector<int> rows = rows_to_march(grid, plan.brute_force_rays);
-    std::vector<VisibilityQuery> queries;
-    std::vector<float> v(static_cast<std::size_t>(cells.x) * row_block);
-    std::vector<double> samples((rows.size() + row_block - 1) / row_block); // by block of rows
-    for (auto _ : state) {
-        std::fill(samples.begin(), samples.end(), 0.0);
-        for (int d = 0; d < grid.direction_count(); ++d) {
-            const Vec3d w_world = texel_direction(d, grid.directions_per_side());
-            for (std::size_t b = 0; b < samples.size(); ++b) {
-                queries.clear();
-                for (std::size_t r = b * row_block; r < std::min((b + 1) * row_block, rows.size()); ++r)
-                    for (int i = 0; i < cells.x; ++i)
-                        queries.push_back(
-                            {Vec3d{i + 0.5, rows[r] % cells.y + 0.5, rows[r] / cells.y + 0.5} * side, w_world});
-                samples[b] += static_cast<double>(marcher.visibility(queries, v));
-                benchmark::DoNotOptimize(v.data());
-            }
-        }
-    }
-    const MeanAndError per_block = mean_and_error(samples);
-    const double blocks = static_cast<double>(samples.size());
-    state.counters["cells_marched"] = static_cast<double>(rows.size()) * cells.x;
-    state.counters["cells_total"] = static_cast<double>(grid.cell_count());
-    state.counters["samples"] = per_block.mean * blocks;
-    state.counters["relative_error"] =
-        static_cast<double>(rows.size()) * cells.x < static_cast<double>(grid.cell_count())
-            ? per_block.error / per_block.mean
-            : 0.0;
-    state.SetLabel(brute_force_kernels().front().name);
-}
-
 void register_plan(Subjects& subjects, const Plan& plan)
 {
     const auto add = [&](const std::string& name, int threads, int repetitions, auto body) {
@@ -196,7 +132,7 @@ void register_plan(Subjects& subjects, const Plan& plan)
                     });
     for (const SweepCase& c : plan.sweeps)
         add(fmt::format("sweep/{}/rays:{}/cell:{}/filter:{}", plan.subject, c.rays, c.cell, name_of(c.filter)),
-            c.threads, plan.repetitions,
+            c.threads, c.cell > 2 ? plan.repetitions : 1 + plan.repetitions / 2,
             [&subjects, plan, c](benchmark::State& state) { sweep(state, subjects, plan, c); });
     for (const int cell : plan.product_cells)
         for (const int threads : plan.thread_counts)
@@ -206,7 +142,9 @@ void register_plan(Subjects& subjects, const Plan& plan)
                 });
     for (const int cell : plan.brute_force_cells)
         add(fmt::format("brute_force/{}/cell:{}", plan.subject, cell), 1, 1,
-            [&subjects, plan, cell](benchmark::State& state) { brute_force(state, subjects, plan, cell); });
+            [&subjects, plan, cell](benchmark::State& state) {
+                march_brute_force(state, subjects.get(plan.subject), cell, plan.brute_force_rays);
+            });
 }
 
 using Filters = std::initializer_list<SweepFilter>;
@@ -240,7 +178,7 @@ void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool
     ct.subject = "ct";
     ct.positions = quick ? 16 : 256;
     ct.repetitions = quick ? 1 : 3;
-    ct.brute_force_rays = quick ? 4e5 : 2e6;
+    ct.brute_force_rays = quick ? 4e5 : 4e6;
     ct.memory_needed = quick ? 0 : 3 * gigabyte;
     Plan smoke = ct, ch2 = ct, large = ct;
     if (quick) {

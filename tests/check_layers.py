@@ -85,9 +85,10 @@ def check_includes():
 
 
 def check_symbols(build):
-    objects = sorted(path for name in ("avx2", "avx512") for path in Path(build).glob(f"src/**/*_{name}.cpp.o"))
+    objects = sorted(path for name in ("avx2", "avx512") for folder in ("src", "bench")
+                     for path in Path(build, folder).glob(f"**/*_{name}.cpp.o"))
     if not objects:
-        yield f"no instruction-set objects under {build}/src"
+        yield f"no instruction-set objects under {build}"
     for path in objects:
         lane = "Avx512" if path.name.endswith("_avx512.cpp.o") else "Avx2"
         listing = subprocess.run(["nm", "--demangle", "--defined-only", str(path)], check=True, capture_output=True, text=True)

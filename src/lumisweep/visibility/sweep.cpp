@@ -12,6 +12,7 @@
 
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
+#include "lumisweep/base/stopwatch.h"
 #include "lumisweep/visibility/sweep_march.h"
 #include "lumisweep/visibility/sweep_pair.h"
 #include "lumisweep/visibility/sweep_plan.h"
@@ -100,10 +101,13 @@ public:
 private:
     bool march(const SweepGroup& group)
     {
-        if (planes_.size() < group.size())
-            planes_.resize(group.size());
-        for (std::size_t i = 0; i < group.size(); ++i)
-            planes_[i].start(level_, group[i].w_world);
+        {
+            const ProcessorStopwatch watch(stats_.layout_s);
+            if (planes_.size() < group.size())
+                planes_.resize(group.size());
+            for (std::size_t i = 0; i < group.size(); ++i)
+                planes_[i].start(level_, group[i].w_world);
+        }
         return march_.run(std::span(planes_).first(group.size()), stats_);
     }
 

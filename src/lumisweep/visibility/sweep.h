@@ -16,13 +16,14 @@ struct SweepKernels;
 
 /// What a sweep cost.
 struct SweepStats {
-    /// Processor time over all threads: pairs of voxel rows, march, lookup with exponential, filter.
+    /// Processor time over all threads: layouts (where rays run, pairs of voxel rows), march, lookup with exponential,
+    /// filter.
     double layout_s = 0.0, march_s = 0.0, lookup_s = 0.0, filter_s = 0.0;
-    double total_s = 0.0; ///< elapsed
+    double total_s = 0.0;          ///< elapsed
     std::uint64_t voxel_steps = 0; ///< rays × slices; what is empty is counted, but not marched
     std::uint64_t bytes_read = 0;  ///< of the level, by all groups
-    int mip_level = 0; ///< of the extinction grid that was marched
-    int rays = 0;      ///< rays along the longer side of the sweep plane
+    int mip_level = 0;             ///< of the extinction grid that was marched
+    int rays = 0;                  ///< rays along the longer side of the sweep plane
 };
 
 /// The mip level (rays 2^level voxels apart) that `rays` means for this volume; 0 ("auto") takes the default.

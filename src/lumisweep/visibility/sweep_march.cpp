@@ -166,10 +166,10 @@ bool GroupMarch::run(std::span<RayPlane> planes, SweepStats& stats)
             for (std::size_t first = 0; first < pieces; first += march_slices) {
                 if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed))
                     return false;
-                for (std::size_t d = 0; d < planes.size(); ++d)
-                    place(planes[d], strip, slab, first, parts_[d]);
                 {
                     const ProcessorStopwatch watch(stats.layout_s);
+                    for (std::size_t d = 0; d < planes.size(); ++d)
+                        place(planes[d], strip, slab, first, parts_[d]);
                     make_pairs(planes, stats);
                 }
                 const ProcessorStopwatch watch(stats.march_s);

@@ -180,6 +180,9 @@ Specimen doubled(const Specimen& specimen)
             static_cast<std::size_t>(i / 2),
             static_cast<std::size_t>(std::clamp(i / 2 + (i % 2 == 0 ? -1 : 1), 0, count - 1))};
     };
+    const auto rounded = [](int sum) {
+        return static_cast<std::uint8_t>(std::min((sum + 32 * step) / (64 * step), 255));
+    };
     parallel_for(0, size.z, [&](int k) {
         const auto z = neighbours(k, from.z);
         std::vector<int> row(nx);
@@ -194,8 +197,8 @@ Specimen doubled(const Specimen& specimen)
                 (static_cast<std::size_t>(k) * static_cast<std::size_t>(size.y) + static_cast<std::size_t>(j)) * 2 * nx;
             for (std::size_t i = 0; i < nx; ++i) {
                 const int before = row[i == 0 ? 0 : i - 1], after = row[i + 1 == nx ? i : i + 1];
-                line[2 * i] = static_cast<std::uint8_t>((3 * row[i] + before) / (64 * step));
-                line[2 * i + 1] = static_cast<std::uint8_t>((3 * row[i] + after) / (64 * step));
+                line[2 * i] = rounded(3 * row[i] + before);
+                line[2 * i + 1] = rounded(3 * row[i] + after);
             }
         }
     });

@@ -113,44 +113,6 @@ TEST(Sweep, HomogeneousForEveryNumberOfDirections)
         expect_closed_form({14, 15, 11}, Affine3d{}, n, 3);
 }
 
-TEST(Sweep, MatchesBruteForceOnHardVolumes)
-{
-    // Against the same classified volume, interpolated trilinearly, at random cells for all 64 directions.
-    const auto rms = [](const ScalarGrid& volume, const TransferFunction& tf, int cell) {
-        const ExtinctionGrid extinction = classified(volume, tf, 0);
-        return sweep_check(swept(extinction, settings_of(8, cell, all_rays, SweepFilter::none)), extinction, 60, 11)
-            .rms;
-    };
-    EXPECT_LE(rms(ct_like({112, 104, 96}, Affine3d{}), bone(), 4), 0.02);
-    EXPECT_LE(rms(ct_like({107, 93, 55}, spaced({1.0, 1.0, 1.9})), bone(), 4), 0.02);
-    EXPECT_LE(rms(ct_like({90, 101, 83}, oblique()), bone(), 5), 0.02);
-    EXPECT_LE(rms(smoke_like({96, 80, 112}, Affine3d{}), smoke(), 4), 0.003);
-    EXPECT_LE(rms(smoke_like({61, 47, 53}, oblique()), smoke(), 3), 0.003);
-}
-
-TEST(Sweep, HalfTheRaysAreNearlyAsGood)
-{
-    const auto rms = [](const ScalarGrid& volume) {
-        const ExtinctionGrid half = classified(volume, smoke(), 1), finest = classified(volume, smoke());
-        return sweep_check(swept(half, settings_of(8, 4, 56, SweepFilter::none)), finest, 60, 12).rms;
-    };
-    // Means of 2³ voxels: .0041 both, of which .001 are the sweep's own.
-    EXPECT_LE(rms(smoke_like({96, 80, 112}, Affine3d{})), 0.0045);
-    // An odd end: the coarse level's last voxels are partly empty.
-    EXPECT_LE(rms(smoke_like({95, 79, 111}, Affine3d{})), 0.0045);
-}
-
-TEST(Sweep, FilterComesCloserToAveragesOverCellAndTexel)
-{
-    const auto rms_averaged = [](const ExtinctionGrid& extinction, SweepFilter filter) {
-        return sweep_check(swept(extinction, settings_of(8, 4, all_rays, filter)), extinction, 40, 13).rms_averaged;
-    };
-    const ExtinctionGrid ct = classified(ct_like({112, 104, 96}, Affine3d{}), bone(), 0);
-    EXPECT_LT(rms_averaged(ct, SweepFilter::half_angle), 0.9 * rms_averaged(ct, SweepFilter::none));
-    const ExtinctionGrid smoky = classified(smoke_like({96, 80, 112}, Affine3d{}), smoke(), 0);
-    EXPECT_LT(rms_averaged(smoky, SweepFilter::half_angle), rms_averaged(smoky, SweepFilter::none));
-}
-
 TEST(Sweep, SameBitsForAnyNumberOfThreads)
 {
     const ExtinctionGrid ct = classified(ct_like({45, 38, 41}, oblique()), bone(), 0);

@@ -19,6 +19,7 @@
 #include "lumisweep/scene/checkpoint.h"
 #include "lumisweep/scene/load_scene.h"
 #include "lumisweep/scene/scene_file.h"
+#include "lumisweep/visibility/sweep.h"
 #include "outputs.h"
 #include "render_loop.h"
 #include "scene_options.h"
@@ -152,6 +153,12 @@ void report(const LoadedScene& loaded, const Backend& backend)
         spdlog::info("{}", note);
     for (const std::string& warning : loaded.warnings)
         spdlog::warn("{}", warning);
+    const SessionInput& input = loaded.input;
+    if (input.render.strategy != Strategy::uniform && input.render.strategy != Strategy::environment) {
+        const int level = sweep_mip_level(input.volume->size(), input.visibility.rays);
+        spdlog::info("visibility from rays {} voxels apart{}", 1 << level,
+                     input.visibility.rays == 0 ? ", chosen by \"auto\"" : "");
+    }
     spdlog::info("rendering on {} ({})", backend.device(), backend.isa());
 }
 

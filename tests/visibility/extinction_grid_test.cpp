@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <random>
+#include <vector>
 
 #include <tbb/task_arena.h>
 
@@ -139,6 +141,40 @@ TEST(Classify, LayoutsAgree)
                         ASSERT_EQ(grid.transposed[static_cast<std::size_t>((i * n.z + k) * n.y + j)],
                                   grid.stored[static_cast<std::size_t>((k * n.y + j) * n.x + i)]);
         }
+}
+
+TEST(Classify, FilledPartsLeaveOutWhatIsEmpty)
+{
+    std::mt19937 random(9);
+    for (const Vec3i size : {Vec3i{1, 1, 1}, {64, 64, 2}, {200, 63, 5}, {65, 190, 4}, {300, 1100, 2}, {1, 2000, 1}}) {
+        // A few filled voxels: many lines are empty, some in parts.
+        ScalarGrid volume(VoxelType::u8, size, Affine3d{});
+        const std::size_t voxels = volume.voxel_count();
+        for (std::size_t i = 0; i < 1 + voxels / 300; ++i)
+            volume.voxels<std::uint8_t>()[random() % voxels] = 200;
+        const ExtinctionGrid grid = classified(volume, TransferFunction({{0.0, 0.0}, {200.0, 1.0}}));
+        const auto expect_tight = [](const std::vector<ExtinctionGrid::Filled>& filled, const std::uint8_t* line,
+                                     std::size_t length, std::size_t lines) {
+            ASSERT_EQ(filled.size(), lines);
+            for (std::size_t l = 0; l < lines; ++l, line += length) {
+                const int n = static_cast<int>(length);
+                const int first =
+                    static_cast<int>(std::find_if(line, line + length, [](int v) { return v > 0; }) - line);
+                int last = n;
+                while (last > 0 && line[last - 1] == 0)
+                    --last;
+                if (last == 0) {
+                    ASSERT_EQ(filled[l].first, filled[l].last);
+                    continue;
+                }
+                ASSERT_EQ(filled[l].first, first / 64 * 64);
+                ASSERT_EQ(filled[l].last, std::min((last + 63) / 64 * 64, n));
+            }
+        };
+        const auto n = [](int side) { return static_cast<std::size_t>(side); };
+        expect_tight(grid.filled, grid.stored.data(), n(size.x), n(size.y) * n(size.z));
+        expect_tight(grid.filled_transposed, grid.transposed.data(), n(size.y), n(size.x) * n(size.z));
+    }
 }
 
 TEST(Classify, NonFiniteVoxelsAndNoExtinctionAreEmpty)

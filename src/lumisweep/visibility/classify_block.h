@@ -5,16 +5,10 @@
 #include <atomic>
 #include <cstdint>
 
-#include "lumisweep/math/vec.h"
-#include "lumisweep/volume/scalar_grid.h"
+#include "lumisweep/visibility/extinction_grid.h"
 #include "lumisweep/volume/transfer_function_view.h"
 
 namespace lumisweep {
-
-struct ExtinctionGrid; // visibility/extinction_grid.h
-struct RawRange;       // volume/raw_range.h
-class TransferFunction;
-enum class ExtinctionLayouts;
 
 /// Rows of a block at most: long lines of the transposed layout, in a piece of the straight one that stays in the
 /// second-level cache.
@@ -35,10 +29,12 @@ struct ClassifyJob {
     /// f32: steps are steps_of_one · extinction; 0 where empty_first_value ≤ value < empty_end_value (data units).
     TransferFunctionView tf;
     float steps_of_one, empty_first_value, empty_end_value;
-    const std::uint16_t* dither; ///< dither_numbers()
-    Vec3i size;                  ///< level voxels
-    std::uint8_t* stored;        ///< [z][y][x]
-    std::uint8_t* transposed;    ///< [x][z][y], or null
+    const std::uint16_t* dither;               ///< dither_numbers()
+    Vec3i size;                                ///< level voxels
+    std::uint8_t* stored;                      ///< [z][y][x]
+    std::uint8_t* transposed;                  ///< [x][z][y], or null
+    ExtinctionGrid::Filled* filled;            ///< [z][y]
+    ExtinctionGrid::Filled* filled_transposed; ///< [block of the slice][x][z]: of the voxels in that block
 };
 
 /// Working memory of a task. What it holds before does not matter.

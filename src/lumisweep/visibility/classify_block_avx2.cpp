@@ -24,6 +24,12 @@ struct ClassifyLanes<Avx2Float> {
     {
         transpose(from, from_stride, to, to_stride, 64, 64);
     }
+    LUMISWEEP_HD static bool any_of_64(const std::uint8_t* bytes)
+    {
+        const __m256i any = _mm256_or_si256(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes)),
+                                            _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes + 32)));
+        return _mm256_testz_si256(any, any) == 0;
+    }
     /// Whole cache lines are streamed: they need not be read to be written.
     LUMISWEEP_HD static void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t count)
     {

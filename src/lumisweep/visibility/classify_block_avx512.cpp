@@ -48,6 +48,12 @@ struct ClassifyLanes<Avx512Float> {
         }
     }
 
+    LUMISWEEP_HD static bool any_of_64(const std::uint8_t* bytes)
+    {
+        const __m512i all = _mm512_loadu_si512(bytes);
+        return _mm512_test_epi64_mask(all, all) != 0;
+    }
+
     /// Whole cache lines are streamed: they need not be read to be written.
     LUMISWEEP_HD static void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t count)
     {

@@ -15,6 +15,16 @@ struct ClassifyLanes<float> {
     {
         transpose(from, from_stride, to, to_stride, 64, 64);
     }
+    LUMISWEEP_HD static bool any_of_64(const std::uint8_t* bytes)
+    {
+        std::uint64_t any = 0;
+        for (int i = 0; i < 64; i += 8) {
+            std::uint64_t eight;
+            __builtin_memcpy(&eight, bytes + i, 8);
+            any |= eight;
+        }
+        return any != 0;
+    }
     LUMISWEEP_HD static void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t count)
     {
         __builtin_memcpy(to, from, count);

@@ -53,6 +53,28 @@ LUMISWEEP_HD void dither_row(const ClassifyJob& job, std::size_t row, const std:
     }
 }
 
+/// Looks from both ends, a line of 64 at a time.
+template <class F>
+LUMISWEEP_HD ExtinctionGrid::Filled filled_of(const std::uint8_t* voxels, int count)
+{
+    constexpr int line = 64;
+    int first = 0, last = count / line * line;
+    std::uint8_t rest = 0;
+    for (int i = last; i < count; ++i)
+        rest = static_cast<std::uint8_t>(rest | voxels[i]);
+    if (rest != 0) {
+        last = count;
+    } else {
+        while (last > 0 && !ClassifyLanes<F>::any_of_64(voxels + last - line))
+            last -= line;
+        if (last == 0)
+            return {0, 0};
+    }
+    while (first + line <= last && !ClassifyLanes<F>::any_of_64(voxels + first))
+        first += line;
+    return {first, last};
+}
+
 /// Sums rows of finest voxels into one of level voxels' means.
 template <class F, class Steps, class T>
 class MeanRow {
@@ -162,6 +184,7 @@ void classify_rows(const ClassifyJob& job, const T* voxels, int slice, int first
         } else {
             dither_row(job, row, mean(slice, j));
         }
+        job.filled[row] = filled_of<F>(job.stored + row * static_cast<std::size_t>(job.size.x), job.size.x);
     }
 }
 
@@ -174,6 +197,8 @@ void transpose_rows(const ClassifyJob& job, int slice, int first_row, int end_ro
     const std::size_t first = static_cast<std::size_t>(slice) * ny + static_cast<std::size_t>(first_row);
     const std::uint8_t* from = job.stored + first * nx;
     std::uint8_t* to = job.transposed + first;
+    const std::size_t block = static_cast<std::size_t>(first_row / classify_block_rows);
+    ExtinctionGrid::Filled* filled = job.filled_transposed + block * nx * static_cast<std::size_t>(job.size.z);
     const bool large = nx >= 64 && rows >= 64;
     for (std::size_t x = 0; x < nx; x += 64) {
         // Whole squares: the last ones overlap those before them.
@@ -185,8 +210,13 @@ void transpose_rows(const ClassifyJob& job, int slice, int first_row, int end_ro
             }
         else
             transpose(from + begin, nx, lines, scratch_line, end - begin, rows);
-        for (std::size_t i = x; i < end; ++i)
-            ClassifyLanes<F>::copy(to + i * stride, lines + (i - begin) * scratch_line, rows);
+        for (std::size_t i = x; i < end; ++i) {
+            const std::uint8_t* line = lines + (i - begin) * scratch_line;
+            ClassifyLanes<F>::copy(to + i * stride, line, rows);
+            const ExtinctionGrid::Filled part = filled_of<F>(line, end_row - first_row);
+            filled[i * static_cast<std::size_t>(job.size.z) + static_cast<std::size_t>(slice)] =
+                part.first < part.last ? ExtinctionGrid::Filled{first_row + part.first, first_row + part.last} : part;
+        }
     }
 }
 

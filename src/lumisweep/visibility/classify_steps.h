@@ -9,6 +9,7 @@ namespace {
 
 /// widened(raw): voxels of 8 or 16 bits as int_of<F>.
 /// transpose_64(…): transposes 64 × 64 bytes.
+/// any_of_64(bytes): whether one of 64 bytes is not 0.
 /// copy(to, from, count): memory that is not read again soon, so past the caches where the machine can.
 template <class F>
 struct ClassifyLanes;

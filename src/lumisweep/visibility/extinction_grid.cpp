@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -80,11 +79,13 @@ void use_segments(ClassifyJob& job, const ScalarGrid& volume, const TransferFunc
     }
 }
 
+int blocks_of(const ClassifyJob& job) { return (job.size.y + classify_block_rows - 1) / classify_block_rows; }
+
 bool classify_blocks(ClassifyBlock block, const ClassifyJob& job, const std::atomic<bool>* cancel)
 {
     // A row of finest voxels in whole vectors or in whole level voxels (halved twice at most).
     const int row = std::max((job.volume_size.x + 15) / 16 * 16, job.size.x << std::min(job.mip_level, 2));
-    const int blocks = (job.size.y + classify_block_rows - 1) / classify_block_rows;
+    const int blocks = blocks_of(job);
     const auto cancelled = [&] { return cancel != nullptr && cancel->load(std::memory_order_relaxed); };
     parallel_for(0, job.size.z * blocks, [&](int task) {
         if (cancelled())
@@ -97,6 +98,19 @@ bool classify_blocks(ClassifyBlock block, const ClassifyJob& job, const std::ato
     return !cancelled();
 }
 
+/// Joins what the blocks of a slice found along y, [block][line], to [line].
+void join_blocks(std::vector<ExtinctionGrid::Filled>& filled, std::size_t lines)
+{
+    for (std::size_t i = lines; i < filled.size(); ++i) {
+        ExtinctionGrid::Filled& joined = filled[i % lines];
+        if (joined.first >= joined.last)
+            joined = filled[i];
+        else if (filled[i].first < filled[i].last)
+            joined.last = filled[i].last;
+    }
+    filled.resize(lines);
+}
+
 /// Of that size, in the memory of before where it fits. An empty grid is all zeros, any other is written as a whole.
 void fit(AlignedArray<std::uint8_t>& array, std::size_t size, float scale)
 {
@@ -106,41 +120,6 @@ void fit(AlignedArray<std::uint8_t>& array, std::size_t size, float scale)
     } else if (!(scale > 0.0F)) {
         std::fill(array.begin(), array.end(), std::uint8_t{0});
     }
-}
-
-bool any_filled(const std::uint8_t* voxels, int count)
-{
-    std::uint64_t all = 0;
-    int i = 0;
-    for (; i + 8 <= count; i += 8) {
-        std::uint64_t eight;
-        std::memcpy(&eight, voxels + i, 8);
-        all |= eight;
-    }
-    for (; i < count; ++i)
-        all |= voxels[i];
-    return all != 0;
-}
-
-/// Looks at each row from both ends, so that it reads little more than what is empty.
-void find_filled(const std::uint8_t* voxels, int length, int rows_per_slice, int slices,
-                 std::vector<ExtinctionGrid::Filled>& filled)
-{
-    constexpr int line = 64;
-    filled.resize(static_cast<std::size_t>(rows_per_slice) * static_cast<std::size_t>(slices));
-    parallel_for(0, slices, [&](int slice) {
-        for (int r = 0; r < rows_per_slice; ++r) {
-            const std::size_t row = static_cast<std::size_t>(slice) * static_cast<std::size_t>(rows_per_slice) +
-                                    static_cast<std::size_t>(r);
-            const std::uint8_t* begin = voxels + row * static_cast<std::size_t>(length);
-            int first = 0, last = length;
-            while (first < last && !any_filled(begin + first, std::min(line, last - first)))
-                first += line;
-            while (first < last && !any_filled(begin + std::max(first, last - line), std::min(line, last - first)))
-                last -= line;
-            filled[row] = first < last ? ExtinctionGrid::Filled{first, last} : ExtinctionGrid::Filled{0, 0};
-        }
-    });
 }
 
 } // namespace
@@ -195,11 +174,17 @@ bool classify_with(ClassifyBlock block, ExtinctionGrid& grid, const ScalarGrid& 
     job.size = grid.size;
     job.stored = grid.stored.data();
     job.transposed = transposed ? grid.transposed.data() : nullptr;
+    const std::size_t x_lines = count({1, grid.size.y, grid.size.z}), y_lines = count({grid.size.x, 1, grid.size.z});
+    grid.filled.resize(x_lines);
+    job.filled = grid.filled.data();
+    if (transposed) {
+        grid.filled_transposed.resize(y_lines * static_cast<std::size_t>(blocks_of(job)));
+        job.filled_transposed = grid.filled_transposed.data();
+    }
     if (!classify_blocks(block, job, cancel))
         return false;
-    find_filled(grid.stored.data(), grid.size.x, grid.size.y, grid.size.z, grid.filled);
     if (transposed)
-        find_filled(grid.transposed.data(), grid.size.y, grid.size.z, grid.size.x, grid.filled_transposed);
+        join_blocks(grid.filled_transposed, y_lines);
     return true;
 }
 

@@ -4,6 +4,11 @@
 
 #include <chrono>
 #include <cstring>
+#include <fstream>
+#include <new>
+
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "support/effort.h"
 #include "support/scenes.h"
@@ -190,6 +195,57 @@ TEST(SessionConcurrency, EditsReturnAtOnceAndPassesGoOn)
         EXPECT_LT(end_s, 0.1); // the sweep is cancelled, not finished
     }
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(LUMISWEEP_TEST_SLOW)
+/// Limits the address space to what is taken and `bytes` more, for as long as it lives.
+class AddressSpaceLimit {
+public:
+    explicit AddressSpaceLimit(std::size_t bytes)
+    {
+        std::size_t pages = 0;
+        std::ifstream("/proc/self/statm") >> pages;
+        getrlimit(RLIMIT_AS, &before_);
+        rlimit limit = before_;
+        limit.rlim_cur = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) + bytes;
+        setrlimit(RLIMIT_AS, &limit);
+    }
+    ~AddressSpaceLimit() { setrlimit(RLIMIT_AS, &before_); }
+    AddressSpaceLimit(const AddressSpaceLimit&) = delete;
+    AddressSpaceLimit& operator=(const AddressSpaceLimit&) = delete;
+
+private:
+    rlimit before_{};
+};
+
+// A background sweep that finds no memory: the next pass says so, the session goes on, and the sweep is tried again.
+TEST(SessionConcurrency, ErrorsReachTheNextPass)
+{
+    SessionInput input = ct_scene({320, 320, 320}); // 65 MB to classify
+    input.visibility.rays = 512;
+    input.visibility.cell = 16;
+    Session session(input, make_cpu_backend());
+    session.set_sweep_mode(SweepMode::in_background, 1);
+    session.prepare();
+    session.render_pass();
+    {
+        const AddressSpaceLimit limit(std::size_t{24} << 20);
+        session.set_transfer_function(input.transfer_function = test::ct_transfer_function(0.5));
+        const auto passes_until_it_fails = [&] {
+            for (int pass = 0; pass < 1000; ++pass)
+                session.render_pass();
+        };
+        EXPECT_THROW(passes_until_it_fails(), std::bad_alloc);
+        EXPECT_FALSE(session.sweeping());
+        EXPECT_EQ(session.render_pass(), PassEnd::complete);
+        EXPECT_FALSE(session.sweeping());
+        EXPECT_THROW(session.prepare(), std::bad_alloc);
+    }
+    session.prepare();
+    Session fresh(input, make_cpu_backend());
+    fresh.prepare();
+    EXPECT_TRUE(same_visibility(session, fresh));
+}
+#endif
 
 TEST(SessionConcurrency, DirectionsArriveWhilePassesGoOn)
 {

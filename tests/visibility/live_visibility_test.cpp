@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <ctime>
 #include <numeric>
 #include <random>
 #include <thread>
 #include <vector>
+
+#include <pthread.h>
 
 #include "lumisweep/base/error.h"
 #include "lumisweep/visibility/live_sweep.h"
@@ -70,7 +73,7 @@ TEST(LiveVisibilityTest, SpareSlotsAreFewButEnough)
 // find two numbers in it, or an older number than before.
 TEST(LiveVisibilityConcurrency, ReadersMeetWholeDirections)
 {
-    const int reads = test::effort(800);
+    const int reads = test::effort(250);
     for (const int spare : {1, 5, 16}) {
         LiveVisibility live(VisibilityGrid({256, 128, 4}, 4, 4), spare);
         const std::size_t numbers = live.last_read().cell_count() / sizeof(std::uint32_t);
@@ -157,6 +160,21 @@ TEST(LiveVisibilityConcurrency, SweepsGiveTheBitsOfOneSweep)
         }
 }
 
+TEST(LiveVisibilityConcurrency, SweepsSomeDirectionsAlone)
+{
+    LiveSweepInput input = ct_input({30, 26, 28}, 8, 1);
+    VisibilityGrid expected(input.volume->size(), input.visibility.cell, 8);
+    input.directions = {5, 58, 12, 33, 20, 5};
+    sweep_visibility(expected, classify(*input.volume, input.range, input.transfer_function, 0), input.visibility,
+                     input.directions);
+    LiveVisibility live(VisibilityGrid(input.volume->size(), input.visibility.cell, 8), 24);
+    LiveSweepStats stats;
+    EXPECT_TRUE(sweep_live(live, input, std::atomic<bool>(false), stats));
+    EXPECT_EQ(live.published(), 5U);
+    for (int d = 0; d < 64; ++d)
+        EXPECT_EQ(std::memcmp(live.settled().direction(d), expected.direction(d), expected.cell_count()), 0) << d;
+}
+
 TEST(LiveVisibilityConcurrency, RefusesAGridOfAnotherShape)
 {
     const LiveSweepInput input = ct_input({30, 26, 28}, 8, 1);
@@ -166,39 +184,51 @@ TEST(LiveVisibilityConcurrency, RefusesAGridOfAnotherShape)
     EXPECT_EQ(live.published(), 0U);
 }
 
-// From the flag to the return, at moments spread over classification and sweeps.
+double seconds_of(clockid_t clock)
+{
+    std::timespec t{};
+    clock_gettime(clock, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// From the flag to the return, at moments spread over classification and sweeps; in the sweeping thread's processor
+// time, which other programs lengthen less. The system's part in it, for memory that is touched first, may be long now
+// and then; a sweep that looks too rarely is late more often.
 TEST(LiveVisibilityConcurrency, CancelsWithin20Milliseconds)
 {
-    using Clock = std::chrono::steady_clock;
     const int side = test::full_effort ? 256 : 96;
-    LiveSweepInput input = ct_input({side, side, side}, 8, 2);
+    LiveSweepInput input = ct_input({side, side, side}, 8, 1);
     input.visibility.cell = 2;
     LiveVisibility live(VisibilityGrid(input.volume->size(), input.visibility.cell, 8), 24);
     std::vector<double> waits_s;
     for (int i = 0; i < 15; ++i) {
-        std::atomic<bool> cancel = false, started = false;
-        Clock::time_point returned;
+        std::atomic<bool> cancel = false, started = false, measured = false;
+        double end_s = 0.0;
         bool complete = true;
         LiveSweepStats stats;
         std::thread sweeper([&] {
             started = true;
             complete = sweep_live(live, input, cancel, stats);
-            returned = Clock::now();
+            end_s = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+            while (!measured)
+                std::this_thread::yield();
         });
         while (!started)
             std::this_thread::yield();
-        std::this_thread::sleep_for(std::chrono::milliseconds(3 * i));
-        const Clock::time_point asked = Clock::now();
+        std::this_thread::sleep_for(std::chrono::milliseconds(5 * i));
+        clockid_t clock{};
+        ASSERT_EQ(pthread_getcpuclockid(sweeper.native_handle(), &clock), 0);
+        const double asked_s = seconds_of(clock);
         cancel = true;
+        measured = true;
         sweeper.join();
         if (!complete)
-            waits_s.push_back(std::chrono::duration<double>(returned - asked).count());
+            waits_s.push_back(end_s - asked_s);
     }
     ASSERT_GE(waits_s.size(), 5U);
-    // Other programs may take the processor away for a moment; a sweep that looks too rarely is late every time.
     std::sort(waits_s.begin(), waits_s.end());
     if (test::full_effort) {
-        EXPECT_LT(waits_s[waits_s.size() / 2], 0.020) << "the latest: " << waits_s.back();
+        EXPECT_LT(waits_s[waits_s.size() * 3 / 4], 0.020) << "the latest: " << waits_s.back();
     }
 }
 

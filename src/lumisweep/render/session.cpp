@@ -13,7 +13,7 @@ namespace lumisweep {
 
 Session::Session(SessionInput input, std::shared_ptr<Backend> backend) : state_(std::make_unique<State>())
 {
-    validate_with_memory(input, state_->mode, state_->background_threads);
+    validate_with_memory(input, state_->mode, state_->background_threads, 0);
     state_->input = std::move(input);
     state_->backend = std::move(backend);
     state_->use_environment();
@@ -27,7 +27,7 @@ void Session::set_volume(std::shared_ptr<const ScalarGrid> volume)
 {
     SessionInput changed = state_->input;
     changed.volume = std::move(volume);
-    validate_with_memory(changed, state_->mode, state_->background_threads);
+    validate_with_memory(changed, state_->mode, state_->background_threads, state_->grid_bytes());
     state_->input = std::move(changed);
     state_->stats.volume_bytes = state_->input.volume->bytes();
     state_->drop_sweep();
@@ -65,7 +65,7 @@ void Session::set_image(const ImageSettings& image)
 {
     SessionInput changed = state_->input;
     changed.image = image;
-    validate_with_memory(changed, state_->mode, state_->background_threads);
+    validate_with_memory(changed, state_->mode, state_->background_threads, state_->grid_bytes());
     state_->input.image = image;
     state_->resize_film();
 }
@@ -85,7 +85,7 @@ void Session::set_visibility(const VisibilitySettings& visibility)
     if (with_old_epsilon != state_->input.visibility) {
         SessionInput changed = state_->input;
         changed.visibility = visibility;
-        validate_with_memory(changed, state_->mode, state_->background_threads);
+        validate_with_memory(changed, state_->mode, state_->background_threads, state_->grid_bytes());
         state_->drop_sweep();
     }
     state_->input.visibility = visibility;
@@ -103,7 +103,7 @@ void Session::set_sweep_mode(SweepMode mode, int background_threads)
                                                : std::max(static_cast<int>(std::thread::hardware_concurrency()) / 2, 1);
     if (mode == state_->mode && threads == state_->background_threads)
         return;
-    validate_with_memory(state_->input, mode, threads);
+    validate_with_memory(state_->input, mode, threads, state_->grid_bytes());
     if (state_->sweeping)
         state_->drop_sweep();
     state_->mode = mode;
@@ -134,6 +134,7 @@ void Session::prepare(const std::atomic<bool>* cancel)
         if (!s.sweep_now(cancel))
             return;
     } else if (s.stale_visibility) {
+        s.sweep_failed = false;
         s.sweep_in_background();
         if (!s.background.wait(cancel))
             return;

@@ -72,7 +72,8 @@ public:
     void set_visibility(const VisibilitySettings& visibility);
     /// `background_threads` is the concurrency of the task arena that background sweeps have of their own; 0 takes half
     /// of the machine's. Throws Error when the memory for it is not there. What a background sweep throws reaches the
-    /// caller of the next render_pass() or prepare(), unless an edit has made that sweep useless.
+    /// caller of the next render_pass() or prepare(), unless an edit has made that sweep useless; then passes go on
+    /// with the visibility that is there, and the next edit or prepare() tries again.
     void set_sweep_mode(SweepMode mode, int background_threads = 0);
     /// Replaces the visibility grid by one of the same shape; the mean image does not depend on it (the poisoned-cache
     /// test).

@@ -64,12 +64,12 @@ void validate_extinction(const ScalarGrid& volume, const TransferFunction& trans
         extinction, diagonal, extinction * diagonal, max_depth);
 }
 
-void validate_with_memory(const SessionInput& input, SweepMode mode, int background_threads)
+void validate_with_memory(const SessionInput& input, SweepMode mode, int background_threads, std::uint64_t holds)
 {
     validate(input);
-    require_memory(Session::memory_needed(input.volume->size(), input.image, input.render.strategy, input.visibility,
-                                          mode, background_threads),
-                   "rendering this scene",
+    const std::uint64_t needed = Session::memory_needed(input.volume->size(), input.image, input.render.strategy,
+                                                        input.visibility, mode, background_threads);
+    require_memory(needed - std::min(needed, holds), "rendering this scene",
                    "a larger visibility.cell, fewer visibility.directions or a smaller image need less");
 }
 

@@ -8,7 +8,8 @@ namespace lumisweep {
 /// Throws Error unless the medium's free flights are long enough to be tracked.
 void validate_extinction(const ScalarGrid& volume, const TransferFunction& transfer_function);
 
-/// Throws Error unless all of it makes sense and the memory that is left can hold what it needs.
-void validate_with_memory(const SessionInput& input, SweepMode mode, int background_threads);
+/// Throws Error unless all of it makes sense and what it needs fits into the memory that is left and the bytes that the
+/// session already `holds` for the same ends.
+void validate_with_memory(const SessionInput& input, SweepMode mode, int background_threads, std::uint64_t holds);
 
 } // namespace lumisweep

@@ -26,6 +26,8 @@ bool Session::State::needs_joint() const
     return strategy() != Strategy::uniform && strategy() != Strategy::environment;
 }
 
+std::uint64_t Session::State::grid_bytes() const { return joint.bytes() + stats.visibility_bytes; }
+
 void Session::State::resize_film()
 {
     if (film.width() == input.image.width && film.height() == input.image.height) {
@@ -93,6 +95,7 @@ void Session::State::fit_visibility()
         return;
     background.stop();
     visibility.reset(); // the old one first
+    stats.visibility_bytes = 0;
     use_visibility(VisibilityGrid(size, settings.cell, settings.directions));
 }
 
@@ -111,6 +114,7 @@ void Session::State::rethrow()
         background.rethrow();
     } catch (...) {
         sweeping = false;
+        sweep_failed = true;
         throw;
     }
 }
@@ -149,16 +153,20 @@ bool Session::State::sweep_now(const std::atomic<bool>* cancel)
 
 void Session::State::sweep_in_background()
 {
-    if (sweeping || !stale_visibility || mode != SweepMode::in_background || !needs_joint())
+    if (sweeping || sweep_failed || !stale_visibility || mode != SweepMode::in_background || !needs_joint())
         return;
     if (stale_bounds)
         return; // the next pass takes them first
     fit_visibility();
     sweeping_stats = std::make_shared<LiveSweepStats>();
-    background.start(
-        [grid = visibility.get(), stats_of_task = sweeping_stats,
-         job = LiveSweepInput{input.volume, raw_range, input.transfer_function, input.visibility, background_threads}](
-            const std::atomic<bool>& cancelled) { sweep_live(*grid, job, cancelled, *stats_of_task); });
+    LiveSweepInput job;
+    job.volume = input.volume;
+    job.range = raw_range;
+    job.transfer_function = input.transfer_function;
+    job.visibility = input.visibility;
+    job.threads = background_threads;
+    background.start([grid = visibility.get(), stats_of_task = sweeping_stats, job = std::move(job)](
+                         const std::atomic<bool>& cancelled) { sweep_live(*grid, job, cancelled, *stats_of_task); });
     sweeping = true;
     ++stats.classifications;
     ++stats.sweeps;
@@ -167,7 +175,7 @@ void Session::State::sweep_in_background()
 void Session::State::drop_sweep()
 {
     background.cancel();
-    sweeping = false;
+    sweeping = sweep_failed = false;
     stale_visibility = true;
 }
 

@@ -34,7 +34,8 @@ struct Session::State {
 
     SweepMode mode = SweepMode::before_pass;
     int background_threads = 1;
-    bool sweeping = false; // a background sweep of the present input runs, or has ended and is not yet taken up
+    bool sweeping = false;     // a background sweep of the present input runs, or has ended and is not yet taken up
+    bool sweep_failed = false; // and the caller knows: not tried again before the next edit or prepare()
     std::shared_ptr<LiveSweepStats> sweeping_stats;
     std::uint64_t published_in_joint = 0;            // directions that the joint grid knows
     double joint_build_s = 0.0, since_build_s = 0.0; // of the last build, and rendering since then
@@ -42,6 +43,9 @@ struct Session::State {
 
     Strategy strategy() const;
     bool needs_joint() const;
+
+    /// Of the visibility and the joint grid.
+    std::uint64_t grid_bytes() const;
 
     void resize_film();
     void use_environment();

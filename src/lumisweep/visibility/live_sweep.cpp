@@ -11,6 +11,15 @@ namespace lumisweep {
 
 namespace {
 
+/// What of the groups is wanted.
+std::vector<std::vector<int>> wanted_of(std::vector<std::vector<int>> groups, const std::vector<int>& directions)
+{
+    if (!directions.empty())
+        for (std::vector<int>& group : groups)
+            std::erase_if(group, [&](int d) { return std::ranges::count(directions, d) == 0; });
+    return groups;
+}
+
 /// A group for each thread, as far as the spare slots go; larger groups are cut.
 std::vector<std::vector<int>> batches(const std::vector<std::vector<int>>& groups, int threads, std::size_t slots)
 {
@@ -54,8 +63,9 @@ bool sweep_all(LiveVisibility& grid, const LiveSweepInput& input, const std::ato
     if (cancel.load(std::memory_order_relaxed))
         return false;
     const Stopwatch watch(stats.sweep_s);
-    for (const std::vector<int>& batch : batches(sweep_groups(extinction, input.visibility), input.threads,
-                                                 static_cast<std::size_t>(grid.spare_slots()))) {
+    for (const std::vector<int>& batch :
+         batches(wanted_of(sweep_groups(extinction, input.visibility), input.directions), input.threads,
+                 static_cast<std::size_t>(grid.spare_slots()))) {
         if (cancel.load(std::memory_order_relaxed))
             return false;
         VisibilityGrid& staged = grid.stage(batch);

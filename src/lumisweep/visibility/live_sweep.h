@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <vector>
 
 #include "lumisweep/visibility/live_visibility.h"
 #include "lumisweep/visibility/settings.h"
@@ -18,7 +19,8 @@ struct LiveSweepInput {
     RawRange range; ///< of the volume
     TransferFunction transfer_function;
     VisibilitySettings visibility;
-    int threads = 1; ///< in a task arena of its own
+    std::vector<int> directions; ///< Morton indices; all when there are none
+    int threads = 1;             ///< in a task arena of its own
 };
 
 struct LiveSweepStats {
@@ -26,9 +28,9 @@ struct LiveSweepStats {
     SweepStats sweep;                       ///< of all groups together
 };
 
-/// Classifies the volume, then sweeps all directions of `grid`, which must be of the input's shape, and publishes each
-/// group when it is done. When it has returned true the grid holds what sweep_visibility() gives, to the bit. False,
-/// and what is published stays so, when `cancel` became true.
+/// Classifies the volume, then sweeps the directions of `grid`, which must be of the input's shape, and publishes each
+/// group when it is done. When it has returned true these are what sweep_visibility() gives, to the bit. False, and
+/// what is published stays so, when `cancel` became true.
 bool sweep_live(LiveVisibility& grid, const LiveSweepInput& input, const std::atomic<bool>& cancel,
                 LiveSweepStats& stats);
 

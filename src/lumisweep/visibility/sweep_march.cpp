@@ -164,7 +164,7 @@ bool GroupMarch::run(std::span<RayPlane> planes, SweepStats& stats)
         for (int slab = 0; slab <= cells_w; ++slab) {
             const std::size_t pieces = planes.front().slab(slab).size(); // the same of all
             for (std::size_t first = 0; first < pieces; first += march_slices) {
-                if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed))
+                if (cancelled())
                     return false;
                 {
                     const ProcessorStopwatch watch(stats.layout_s);
@@ -178,11 +178,14 @@ bool GroupMarch::run(std::span<RayPlane> planes, SweepStats& stats)
             if (slab == cells_w)
                 continue;
             const ProcessorStopwatch watch(stats.lookup_s);
-            for (RayPlane& plane : planes)
+            for (RayPlane& plane : planes) {
+                if (cancelled()) // the first stores to a plane's fresh memory take milliseconds
+                    return false;
                 for (int row = strip.first_cell; row < strip.last_cell; ++row) {
                     plane.look_up(kernels_, slab, row, tau_.data());
                     kernels_.stream(plane.tau_of(slab, row), tau_.data(), plane.places_u().cells);
                 }
+            }
         }
     }
     kernels_.finish_stores();

@@ -171,6 +171,7 @@ TEST(Classify, FilledPartsLeaveOutWhatIsEmpty)
                 ASSERT_EQ(filled[l].last, std::min((last + 63) / 64 * 64, n));
             }
         };
+        EXPECT_LE(grid.bytes(), ExtinctionGrid::bytes_needed(size));
         const auto n = [](int side) { return static_cast<std::size_t>(side); };
         expect_tight(grid.filled, grid.stored.data(), n(size.x), n(size.y) * n(size.z));
         expect_tight(grid.filled_transposed, grid.transposed.data(), n(size.y), n(size.x) * n(size.z));

@@ -79,13 +79,14 @@ void use_segments(ClassifyJob& job, const ScalarGrid& volume, const TransferFunc
     }
 }
 
-int blocks_of(const ClassifyJob& job) { return (job.size.y + classify_block_rows - 1) / classify_block_rows; }
+/// Blocks of a slice.
+int blocks_of(Vec3i size) { return (size.y + classify_block_rows - 1) / classify_block_rows; }
 
 bool classify_blocks(ClassifyBlock block, const ClassifyJob& job, const std::atomic<bool>* cancel)
 {
     // A row of finest voxels in whole vectors or in whole level voxels (halved twice at most).
     const int row = std::max((job.volume_size.x + 15) / 16 * 16, job.size.x << std::min(job.mip_level, 2));
-    const int blocks = blocks_of(job);
+    const int blocks = blocks_of(job.size);
     const auto cancelled = [&] { return cancel != nullptr && cancel->load(std::memory_order_relaxed); };
     parallel_for(0, job.size.z * blocks, [&](int task) {
         if (cancelled())
@@ -123,6 +124,13 @@ void fit(AlignedArray<std::uint8_t>& array, std::size_t size, float scale)
 }
 
 } // namespace
+
+std::uint64_t ExtinctionGrid::bytes_needed(Vec3i size)
+{
+    const std::size_t lines =
+        count({1, size.y, size.z}) + count({size.x, 1, size.z}) * static_cast<std::size_t>(blocks_of(size));
+    return 2 * count(size) + lines * sizeof(Filled);
+}
 
 ExtinctionGrid classify(const ScalarGrid& volume, const RawRange& range, const TransferFunction& transfer_function,
                         int mip_level, ExtinctionLayouts layouts, const std::atomic<bool>* cancel)
@@ -178,7 +186,7 @@ bool classify_with(ClassifyBlock block, ExtinctionGrid& grid, const ScalarGrid& 
     grid.filled.resize(x_lines);
     job.filled = grid.filled.data();
     if (transposed) {
-        grid.filled_transposed.resize(y_lines * static_cast<std::size_t>(blocks_of(job)));
+        grid.filled_transposed.resize(y_lines * static_cast<std::size_t>(blocks_of(job.size)));
         job.filled_transposed = grid.filled_transposed.data();
     }
     if (!classify_blocks(block, job, cancel))

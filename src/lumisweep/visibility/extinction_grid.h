@@ -35,6 +35,8 @@ struct ExtinctionGrid {
     {
         return stored.bytes() + transposed.bytes() + (filled.size() + filled_transposed.size()) * sizeof(Filled);
     }
+    /// What classifying a level of that size in both layouts takes, at most.
+    static std::uint64_t bytes_needed(Vec3i size);
 };
 
 /// Which memory layouts a grid gets. Sweeps along x need the transposed copy, those along y and z do not.

@@ -18,9 +18,7 @@ Vec3i level_size(Vec3i volume_size, const VisibilitySettings& settings)
 
 std::uint64_t extinction_bytes(Vec3i volume_size, const VisibilitySettings& settings)
 {
-    const Vec3i size = level_size(volume_size, settings);
-    return std::uint64_t{2} * static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y) *
-           static_cast<std::uint64_t>(size.z);
+    return ExtinctionGrid::bytes_needed(level_size(volume_size, settings));
 }
 
 std::uint64_t sweep_scratch_bytes(Vec3i volume_size, const VisibilitySettings& settings, int threads)

@@ -21,6 +21,7 @@ struct SweepCase {
     int rays = 0, cell = 4;
     SweepFilter filter = SweepFilter::half_angle;
     int threads = 1;
+    int oversampling = 1;
 };
 
 struct Plan {
@@ -34,9 +35,12 @@ struct Plan {
     std::uint64_t memory_needed = 0; ///< skipped where less is available
 };
 
-const char* name_of(SweepFilter filter)
+/// The filter, or the papers' alternative to it: averages over more directions.
+std::string filter_name(const SweepCase& c)
 {
-    return filter == SweepFilter::none ? "none" : filter == SweepFilter::half_angle ? "half" : "full";
+    if (c.oversampling > 1)
+        return fmt::format("{}x", c.oversampling);
+    return c.filter == SweepFilter::none ? "none" : c.filter == SweepFilter::half_angle ? "half" : "full";
 }
 
 /// The CPU time is that of the calling thread, so an arena of one thread runs everything on it.
@@ -55,6 +59,7 @@ void sweep(benchmark::State& state, Subjects& subjects, const Plan& plan, const 
     settings.cell = c.cell;
     settings.rays = c.rays;
     settings.filter = c.filter;
+    settings.oversampling = c.oversampling;
     const ExtinctionGrid& extinction = subject.extinction(sweep_mip_level(subject.volume().size(), c.rays));
     VisibilityGrid& grid = subject.grid(c.cell);
     SweepStats stats;
@@ -131,8 +136,8 @@ void register_plan(Subjects& subjects, const Plan& plan)
                         prepare(state, subjects, plan, mip_level, layouts, threads);
                     });
     for (const SweepCase& c : plan.sweeps)
-        add(fmt::format("sweep/{}/rays:{}/cell:{}/filter:{}", plan.subject, c.rays, c.cell, name_of(c.filter)),
-            c.threads, c.cell > 2 ? plan.repetitions : 1 + plan.repetitions / 2,
+        add(fmt::format("sweep/{}/rays:{}/cell:{}/filter:{}", plan.subject, c.rays, c.cell, filter_name(c)), c.threads,
+            c.cell > 2 ? plan.repetitions : 1 + plan.repetitions / 2,
             [&subjects, plan, c](benchmark::State& state) { sweep(state, subjects, plan, c); });
     for (const int cell : plan.product_cells)
         for (const int threads : plan.thread_counts)
@@ -161,6 +166,13 @@ void add_sweeps(Plan& plan, std::initializer_list<int> cells, std::initializer_l
                 plan.sweeps.push_back({r, cell, filter, threads});
 }
 
+/// The papers' alternative to filtering.
+void add_oversampled(Plan& plan, std::initializer_list<int> rays)
+{
+    for (const int r : rays)
+        plan.sweeps.push_back({r, 8, SweepFilter::none, 1, 4});
+}
+
 } // namespace
 
 void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool quick)
@@ -187,6 +199,7 @@ void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool
         add_sweeps(ct, {2, 4, 8, 16}, {64, 32, 16}, plain_and_filtered, 1);
         add_sweeps(ct, {4, 8}, {64, 32}, {SweepFilter::half_angle}, 2);
         add_sweeps(ct, {8}, {64, 32}, {SweepFilter::full_angle}, 1);
+        add_oversampled(ct, {64, 32});
     } else {
         // The journal paper's Table 1, and its Table 2 (cells of 8³ voxels).
         ct.mip_levels = {0, 1, 2};
@@ -195,6 +208,7 @@ void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool
         add_sweeps(ct, {2, 4, 8, 16}, {512, 256, 128, 64, 32, 16}, plain_and_filtered, 1);
         add_sweeps(ct, {4, 8}, {512, 256}, {SweepFilter::half_angle}, 2);
         add_sweeps(ct, {8}, {512, 256}, {SweepFilter::full_angle}, 1);
+        add_oversampled(ct, {512, 256});
     }
     register_plan(subjects, ct);
 
@@ -205,6 +219,8 @@ void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool
                plain_and_filtered, 1);
     add_sweeps(smoke, {8}, quick ? std::initializer_list<int>{64, 32} : std::initializer_list<int>{512, 256},
                all_filters, 1);
+    if (!quick)
+        add_oversampled(smoke, {512, 256});
     register_plan(subjects, smoke);
 
     if (real) {
@@ -213,6 +229,7 @@ void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool
         ch2.brute_force_cells = {4, 8};
         add_sweeps(ch2, {4}, {512, 256, 128}, plain_and_filtered, 1);
         add_sweeps(ch2, {8}, {512, 256}, all_filters, 1);
+        add_oversampled(ch2, {512, 256});
         register_plan(subjects, ch2);
     }
 

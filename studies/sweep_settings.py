@@ -28,9 +28,10 @@ class Setting:
     filter: str = "half-angle"
     cell: int = 4
     directions: int = 8
+    oversampling: int = 1
 
     def arguments(self):
-        return [f"visibility.{name}={getattr(self, name)}" for name in ("rays", "filter", "cell", "directions")]
+        return [f"visibility.{name}={getattr(self, name)}" for name in ("rays", "filter", "cell", "directions", "oversampling")]
 
 
 DEFAULT = Setting()
@@ -38,6 +39,8 @@ GROUPS = {
     "Rays and filter": [Setting(rays=rays, filter=filter_) for rays in (256, 128, 64) for filter_ in ("none", "half-angle", "full-angle")],
     "Cells and directions": [Setting(cell=cell, directions=n) for cell in (2, 4, 8, 16) for n in (4, 8, 16)],
     "Cells and filter": [Setting(cell=cell, filter=filter_) for cell in (2, 4, 8, 16) for filter_ in ("none", "half-angle", "full-angle")],
+    "Oversampling in direction": [DEFAULT, *(Setting(filter=filter_, oversampling=times) for filter_, times in
+                                             (("none", 1), ("none", 4), ("none", 16), ("half-angle", 4)))],
 }
 
 
@@ -87,7 +90,8 @@ def group_table(settings, measured, costs):
         error = math.sqrt(sum(error ** 2 for _, error in each)) / len(each)
         mark = " (default)" if setting == DEFAULT else ""
         overall = "1" if setting == DEFAULT else ratio_text(mean, error)
-        rows.append([f"{setting.rays}²", setting.filter, str(setting.cell), f"{setting.directions}²{mark}",
+        filter_ = setting.filter + (f", {setting.oversampling}× directions" if setting.oversampling > 1 else "")
+        rows.append([f"{setting.rays}²", filter_, str(setting.cell), f"{setting.directions}²{mark}",
                      *[f"{math.exp(value):.2f}" for value, _ in each], overall,
                      " / ".join(f"{costs[scene, setting][0]:.3f}" for scene in SCENES),
                      " / ".join(f"{costs[scene, setting][1] / 1e6:.1f}" for scene in SCENES)])

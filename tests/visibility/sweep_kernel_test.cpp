@@ -373,7 +373,8 @@ TEST(SweepKernels, FilterPieces)
                 const auto product = [](std::uint32_t x, std::uint32_t scale) { return (x * scale) >> 16; };
                 sum[i] = static_cast<std::uint16_t>(a[i] + b[i]);
                 slid[i] = static_cast<std::uint16_t>(a[i] + ((b[i] + half) >> shift) - ((c[i] + half) >> shift));
-                mean[i] = static_cast<std::uint16_t>(product(a[i], scale_a[i]) + product(ends, scale_b[i]));
+                mean[i] = static_cast<std::uint16_t>(product(a[i], scale_a[i]) +
+                                                     product(static_cast<std::uint32_t>(b[i] + c[i]), scale_b[i]));
                 row_mean[i] = static_cast<std::uint16_t>(product(a[i], scale_a[0]) + product(ends, scale_b[0]));
                 bytes[i] = static_cast<std::uint8_t>(std::lround(b[i] / 16.0));
             }
@@ -384,8 +385,7 @@ TEST(SweepKernels, FilterPieces)
                 ASSERT_EQ(out, sum) << kernels->name;
                 kernels->slide(sums.data(), b.data(), c.data(), shift, count);
                 ASSERT_EQ(sums, slid) << kernels->name;
-                kernels->box_mean(out.data(), a.data(), b.data(), c.data(), shift, scale_a.data(), scale_b.data(),
-                                  count);
+                kernels->box_mean(out.data(), a.data(), b.data(), c.data(), scale_a.data(), scale_b.data(), count);
                 ASSERT_EQ(out, mean) << kernels->name;
                 kernels->box_mean_row(out.data(), a.data(), b.data(), c.data(), shift, scale_a[0], scale_b[0], count);
                 ASSERT_EQ(out, row_mean) << kernels->name;

@@ -119,7 +119,7 @@ void SliceFilter::along_u(std::uint16_t* slice, double box_width)
             std::swap(next_sums, spare_sums);
             begin += distance;
         }
-        kernels_.box_mean(line, sums, row, row + 2 * pad, 0, scale_whole_.data(), scale_ends_.data(), width_);
+        kernels_.box_mean(line, sums, row, row + 2 * pad, scale_whole_.data(), scale_ends_.data(), width_);
     }
 }
 

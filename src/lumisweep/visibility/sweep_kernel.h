@@ -87,12 +87,11 @@ struct SweepKernels {
     /// sums[i] += entering[i] / 2^shift − leaving[i] / 2^shift, each rounded to nearest, mod 2^16.
     void (*slide)(std::uint16_t* sums, const std::uint16_t* entering, const std::uint16_t* leaving, int shift,
                   int count);
-    /// out[i] = (whole[i] · scale_whole[i] + (low[i] / 2^shift + high[i] / 2^shift) · scale_ends[i]) / 65536, each
-    /// quotient rounded to nearest and each product down.
+    /// out[i] = (whole[i] · scale_whole[i] + (low[i] + high[i]) · scale_ends[i]) / 65536, each product rounded down.
     void (*box_mean)(std::uint16_t* out, const std::uint16_t* whole, const std::uint16_t* low,
-                     const std::uint16_t* high, int shift, const std::uint16_t* scale_whole,
-                     const std::uint16_t* scale_ends, int count);
-    /// Likewise with one scale for all.
+                     const std::uint16_t* high, const std::uint16_t* scale_whole, const std::uint16_t* scale_ends,
+                     int count);
+    /// Likewise with one scale for all, and low and high divided by 2^shift and rounded to nearest first.
     void (*box_mean_row)(std::uint16_t* out, const std::uint16_t* whole, const std::uint16_t* low,
                          const std::uint16_t* high, int shift, std::uint16_t scale_whole, std::uint16_t scale_ends,
                          int count);

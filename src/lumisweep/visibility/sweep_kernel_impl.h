@@ -188,13 +188,31 @@ void add(std::uint16_t* out, const std::uint16_t* a, const std::uint16_t* b, int
         out[i] = static_cast<std::uint16_t>(a[i] + b[i]);
 }
 
+/// Nearly all boxes are narrow enough for whole values, and a shift by a variable takes 32-bit lanes.
+struct Whole {
+    std::uint16_t operator()(std::uint16_t v) const { return v; }
+};
+struct Shifted {
+    int shift, half;
+    std::uint16_t operator()(std::uint16_t v) const { return static_cast<std::uint16_t>((v + half) >> shift); }
+};
+
+template <class Value>
+inline __attribute__((always_inline)) void slide_by(Value value, std::uint16_t* __restrict sums,
+                                                    const std::uint16_t* __restrict entering,
+                                                    const std::uint16_t* __restrict leaving, int count)
+{
+    for (int i = 0; i < count; ++i)
+        sums[i] = static_cast<std::uint16_t>(sums[i] + value(entering[i]) - value(leaving[i]));
+}
+
 void slide(std::uint16_t* __restrict sums, const std::uint16_t* __restrict entering,
            const std::uint16_t* __restrict leaving, int shift, int count)
 {
-    const int half = (1 << shift) >> 1;
-    for (int i = 0; i < count; ++i)
-        sums[i] =
-            static_cast<std::uint16_t>(sums[i] + ((entering[i] + half) >> shift) - ((leaving[i] + half) >> shift));
+    if (shift == 0)
+        slide_by(Whole{}, sums, entering, leaving, count);
+    else
+        slide_by(Shifted{shift, (1 << shift) >> 1}, sums, entering, leaving, count);
 }
 
 inline __attribute__((always_inline)) std::uint16_t high_product(std::uint16_t a, std::uint16_t b)
@@ -203,13 +221,24 @@ inline __attribute__((always_inline)) std::uint16_t high_product(std::uint16_t a
 }
 
 void box_mean(std::uint16_t* __restrict out, const std::uint16_t* __restrict whole, const std::uint16_t* __restrict low,
-              const std::uint16_t* __restrict high, int shift, const std::uint16_t* __restrict scale_whole,
+              const std::uint16_t* __restrict high, const std::uint16_t* __restrict scale_whole,
               const std::uint16_t* __restrict scale_ends, int count)
 {
-    const int half = (1 << shift) >> 1;
     for (int i = 0; i < count; ++i) {
-        const auto ends = static_cast<std::uint16_t>(((low[i] + half) >> shift) + ((high[i] + half) >> shift));
+        const auto ends = static_cast<std::uint16_t>(low[i] + high[i]);
         out[i] = static_cast<std::uint16_t>(high_product(whole[i], scale_whole[i]) + high_product(ends, scale_ends[i]));
+    }
+}
+
+template <class Value>
+inline __attribute__((always_inline)) void
+box_mean_by(Value value, std::uint16_t* __restrict out, const std::uint16_t* __restrict whole,
+            const std::uint16_t* __restrict low, const std::uint16_t* __restrict high, std::uint16_t scale_whole,
+            std::uint16_t scale_ends, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        const auto ends = static_cast<std::uint16_t>(value(low[i]) + value(high[i]));
+        out[i] = static_cast<std::uint16_t>(high_product(whole[i], scale_whole) + high_product(ends, scale_ends));
     }
 }
 
@@ -217,11 +246,10 @@ void box_mean_row(std::uint16_t* __restrict out, const std::uint16_t* __restrict
                   const std::uint16_t* __restrict low, const std::uint16_t* __restrict high, int shift,
                   std::uint16_t scale_whole, std::uint16_t scale_ends, int count)
 {
-    const int half = (1 << shift) >> 1;
-    for (int i = 0; i < count; ++i) {
-        const auto ends = static_cast<std::uint16_t>(((low[i] + half) >> shift) + ((high[i] + half) >> shift));
-        out[i] = static_cast<std::uint16_t>(high_product(whole[i], scale_whole) + high_product(ends, scale_ends));
-    }
+    if (shift == 0)
+        box_mean_by(Whole{}, out, whole, low, high, scale_whole, scale_ends, count);
+    else
+        box_mean_by(Shifted{shift, (1 << shift) >> 1}, out, whole, low, high, scale_whole, scale_ends, count);
 }
 
 void store(std::uint8_t* __restrict out, const std::uint16_t* __restrict in, int count)

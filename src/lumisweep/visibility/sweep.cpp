@@ -10,6 +10,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_arena.h>
 
+#include "lumisweep/base/aligned.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/base/stopwatch.h"
@@ -70,7 +71,7 @@ std::vector<SweepTask> plan(const MarchedLevel& level, const VisibilitySettings&
         directions = all;
     }
     return plan_sweeps(level.size, level.level_from_world, settings, directions,
-                       largest_sweep_group(level.size, level.cells, directions.size(), threads));
+                       largest_sweep_group(level.size, level.cells, settings, directions.size(), threads));
 }
 
 /// One thread's working memory and what it did.
@@ -116,9 +117,11 @@ private:
     {
         const std::vector<int> directions = task.directions();
         const std::size_t cells = grid.cell_count();
-        std::vector<std::vector<std::uint16_t>> sums(directions.size(), std::vector<std::uint16_t>(cells, 0));
-        std::vector<std::uint8_t> low(cells), high(cells);
-        const auto add = [&](int direction, const std::vector<std::uint8_t>& line) {
+        std::vector<AlignedArray<std::uint16_t>> sums;
+        for (std::size_t i = 0; i < directions.size(); ++i)
+            sums.emplace_back(cells);
+        AlignedArray<std::uint8_t> low(cells, Contents::uninitialised), high(cells, Contents::uninitialised);
+        const auto add = [&](int direction, const AlignedArray<std::uint8_t>& line) {
             for (std::size_t i = 0; i < directions.size(); ++i)
                 if (directions[i] == direction)
                     std::transform(

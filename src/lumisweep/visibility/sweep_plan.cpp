@@ -29,6 +29,17 @@ struct GroupKey {
     auto operator<=>(const GroupKey&) const = default;
 };
 
+/// In as few parts as can be, of nearly equal size.
+void append_parts(std::vector<SweepGroup>& parts, const SweepGroup& group, std::size_t largest)
+{
+    for (std::size_t first = 0; first < group.size();) {
+        const std::size_t rest = group.size() - first, left = (rest + largest - 1) / largest;
+        const auto begin = group.begin() + static_cast<std::ptrdiff_t>(first);
+        first += (rest + left - 1) / left;
+        parts.emplace_back(begin, group.begin() + static_cast<std::ptrdiff_t>(first));
+    }
+}
+
 } // namespace
 
 std::vector<int> SweepTask::directions() const
@@ -77,21 +88,17 @@ std::vector<SweepTask> plan_sweeps(Vec3i level_size, const Affine3d& level_from_
         }
         if (lines_per_texel > 1) {
             SweepTask task;
-            for (auto& [key, group] : own)
-                task.groups.push_back(std::move(group));
+            for (const auto& [key, group] : own)
+                append_parts(task.groups, group, largest_group);
             tasks.push_back(std::move(task));
         }
     }
-    for (const auto& [key, group] : shared)
-        for (std::size_t first = 0; first < group.size();) {
-            // Groups of nearly equal size.
-            const std::size_t rest = group.size() - first;
-            const std::size_t parts = (rest + largest_group - 1) / largest_group;
-            const std::size_t count = (rest + parts - 1) / parts;
-            const auto begin = group.begin() + static_cast<std::ptrdiff_t>(first);
-            tasks.push_back({{SweepGroup(begin, begin + static_cast<std::ptrdiff_t>(count))}});
-            first += count;
-        }
+    for (const auto& [key, group] : shared) {
+        std::vector<SweepGroup> parts;
+        append_parts(parts, group, largest_group);
+        for (SweepGroup& part : parts)
+            tasks.push_back({{std::move(part)}});
+    }
     std::stable_sort(tasks.begin(), tasks.end(), [](const SweepTask& a, const SweepTask& b) {
         return a.groups.front().size() > b.groups.front().size();
     });
@@ -115,8 +122,14 @@ std::uint64_t sweep_pair_bytes(Vec3i level_size, Vec3i cells)
                  static_cast<std::uint64_t>(cells.z) * static_cast<std::uint64_t>(cells.x));
 }
 
-std::size_t largest_sweep_group(Vec3i level_size, Vec3i cells, std::size_t directions, int threads)
+std::size_t largest_sweep_group(Vec3i level_size, Vec3i cells, const VisibilitySettings& settings,
+                                std::size_t directions, int threads)
 {
+    // With oversampling a thread sweeps all lines of a texel, in however many groups.
+    if (settings.oversampling > 1) {
+        directions *= static_cast<std::size_t>(settings.oversampling);
+        threads = 1;
+    }
     constexpr std::size_t most = 6; // lines of one axis and shear at 8 × 8 directions
     constexpr std::uint64_t memory = std::uint64_t{256} << 20;
     const std::size_t fitting = static_cast<std::size_t>(memory / sweep_pair_bytes(level_size, cells));

@@ -33,8 +33,10 @@ std::vector<SweepTask> plan_sweeps(Vec3i level_size, const Affine3d& level_from_
                                    const VisibilitySettings& settings, std::span<const int> directions,
                                    std::size_t largest_group);
 
-/// Largest group that keeps a thread's memory within bounds and leaves work for `threads`.
-std::size_t largest_sweep_group(Vec3i level_size, Vec3i cells, std::size_t directions, int threads);
+/// Largest group that keeps a thread's memory within bounds and leaves work for `threads`, when that many directions
+/// are swept.
+std::size_t largest_sweep_group(Vec3i level_size, Vec3i cells, const VisibilitySettings& settings,
+                                std::size_t directions, int threads);
 
 /// Working memory of one line, in bytes, at most.
 std::uint64_t sweep_pair_bytes(Vec3i level_size, Vec3i cells);

@@ -82,6 +82,19 @@ TEST(ClassifyBlock, SameForEveryInstructionSet)
     EXPECT_GT(cases_with_extinction, 400);
 }
 
+TEST(ClassifyBlock, LargestSumsFit)
+{
+    // Hundreds of rows of the largest extinction a level voxel: more than 32 bits hold.
+    const ScalarGrid volume = fill_i16({64, 64, 32}, Affine3d{}, [](double, double, double) { return 1000.0; });
+    for (const int level : {3, 4, 5})
+        for (const ClassifyBlock block : {classify_block_baseline, widest_classify_block()}) {
+            ExtinctionGrid grid;
+            classify_with(block, grid, volume, raw_range(volume), TransferFunction({{0.0, 0.0}, {1000.0, 2.0}}), level,
+                          ExtinctionLayouts::straight);
+            EXPECT_EQ(total(grid), 255.0 * static_cast<double>(grid.stored.size())) << "level " << level;
+        }
+}
+
 TEST(ClassifyBlock, FloatsFollowTheTransferFunctionWithinItsSegments)
 {
     // Far points, steps, points close together, and values far outside of them.

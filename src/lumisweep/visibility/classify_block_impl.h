@@ -96,8 +96,8 @@ public:
         for (int z = slice << level; z < end_z; ++z)
             for (int y = row << level; y < end_y; ++y) {
                 add(z, y, rows == 0);
-                // 256 rows of less than 2^24 fit into 32 bits.
-                if (++rows == 256) {
+                // 128 rows of less than 2^24 fit into 32 bits with a sign.
+                if (++rows == 128) {
                     widen();
                     rows = 0;
                 }

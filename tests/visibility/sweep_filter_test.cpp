@@ -117,6 +117,20 @@ TEST(SweepFilter, ConstantStaysConstantIn8Bits)
                 }
 }
 
+TEST(SweepFilter, WhatIsAllVisibleStaysSoAtAnyWidth)
+{
+    for (const auto& [width, height] : {std::pair{258, 3}, {3, 258}, {600, 40}, {40, 600}, {1100, 2}, {2, 5000}})
+        for (const double box_u : {1.0, 15.0, 259.0, 1100.0, 1e16})
+            for (const double box_v : {1.0, 33.0, 257.9, 1e16}) {
+                const Slice slice(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), whole_visibility);
+                const Slice out = filtered(sweep_kernels(), width, height, slice, box_u, box_v);
+                std::vector<std::uint8_t> bytes(out.size());
+                sweep_kernels().store(bytes.data(), out.data(), static_cast<int>(out.size()));
+                ASSERT_EQ(*std::min_element(bytes.begin(), bytes.end()), 255)
+                    << width << " x " << height << " box " << box_u << " x " << box_v;
+            }
+}
+
 TEST(SweepFilter, EveryInstructionSetGivesTheSameBits)
 {
     std::mt19937 random(3);

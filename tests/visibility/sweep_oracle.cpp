@@ -213,7 +213,9 @@ private:
                 const auto scaled = [](int sum, double scale) {
                     return static_cast<int>(sum * static_cast<std::int64_t>(std::min(std::ceil(scale), 65535.0)) >> 16);
                 };
-                mean[static_cast<std::size_t>(i)] = scaled(whole, one) + scaled(ends, one * part);
+                const int found = scaled(whole, one) + scaled(ends, one * part);
+                // Fewer than 8 bits a cell would round 1 up.
+                mean[static_cast<std::size_t>(i)] = shift > 4 ? std::min(found, whole_visibility) : found;
             }
             for (int i = 0; i < count; ++i)
                 cell(i) = mean[static_cast<std::size_t>(i)];

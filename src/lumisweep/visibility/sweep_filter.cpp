@@ -23,6 +23,13 @@ struct Box {
             ++shift;
     }
     int width() const { return 2 * reach + 1; }
+    /// Sums of fewer than 8 bits a cell round 1 up to 4096/4080, which would be 0 in 8 bits.
+    void bound(std::uint16_t* line, int count) const
+    {
+        constexpr std::uint16_t most = whole_visibility;
+        if (shift > 4)
+            std::transform(line, line + count, line, [&](std::uint16_t v) { return std::min(v, most); });
+    }
     bool is_identity() const { return reach == 0 && fraction < 1e-4; }
 
     struct Scales {
@@ -120,6 +127,7 @@ void SliceFilter::along_u(std::uint16_t* slice, double box_width)
             begin += distance;
         }
         kernels_.box_mean(line, sums, row, row + 2 * pad, scale_whole_.data(), scale_ends_.data(), width_);
+        box.bound(line, width_);
     }
 }
 
@@ -141,8 +149,10 @@ const std::uint16_t* SliceFilter::along_v(std::uint16_t* slice, double box_heigh
         kernels_.slide(sums, line(j + box.reach), leaving, box.shift, width_);
         const bool whole = j > box.reach && j < height_ - box.reach - 1;
         const Box::Scales scales = whole ? inside : box.scales(j, height_);
-        kernels_.box_mean_row(out_.data() + static_cast<std::ptrdiff_t>(j) * width_, sums, leaving,
-                              line(j + box.reach + 1), box.shift, scales.whole, scales.ends, width_);
+        std::uint16_t* out = out_.data() + static_cast<std::ptrdiff_t>(j) * width_;
+        kernels_.box_mean_row(out, sums, leaving, line(j + box.reach + 1), box.shift, scales.whole, scales.ends,
+                              width_);
+        box.bound(out, width_);
     }
     return out_.data();
 }

@@ -154,6 +154,7 @@ TEST(LiveVisibilityConcurrency, SweepsGiveTheBitsOfOneSweep)
             EXPECT_TRUE(sweep_live(live, input, std::atomic<bool>(false), stats));
             EXPECT_EQ(live.published(), static_cast<std::uint64_t>(directions * directions));
             EXPECT_GT(stats.sweep.voxel_steps, 0U);
+            EXPECT_GT(stats.sweep.bytes_read, 0U);
             for (int d = 0; d < directions * directions; ++d)
                 EXPECT_EQ(std::memcmp(live.settled().direction(d), expected.direction(d), expected.cell_count()), 0)
                     << "direction " << d << " of " << directions << "², " << threads << " threads";

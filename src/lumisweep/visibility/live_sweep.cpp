@@ -46,6 +46,7 @@ void add(SweepStats& sum, const SweepStats& part)
     sum.filter_s += part.filter_s;
     sum.total_s += part.total_s;
     sum.voxel_steps += part.voxel_steps;
+    sum.bytes_read += part.bytes_read;
     sum.mip_level = part.mip_level;
     sum.rays = part.rays;
 }

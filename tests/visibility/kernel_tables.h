@@ -1,6 +1,9 @@
-// The kernel tables that this machine can run.
+// The kernel tables that this machine can run, and random input for them.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <random>
 #include <vector>
 
 #include "lumisweep/visibility/sweep_kernel.h"
@@ -20,6 +23,33 @@ inline std::vector<const SweepKernels*> runnable_kernels()
         kernels.push_back(&sweep_kernels_avx512);
 #endif
     return kernels;
+}
+
+inline int uniform(std::mt19937& random, int low, int high)
+{
+    return std::uniform_int_distribution<int>(low, high)(random);
+}
+
+template <class T>
+std::vector<T> random_values(std::mt19937& random, int count, int low, int high)
+{
+    std::vector<T> list(static_cast<std::size_t>(count));
+    std::generate(list.begin(), list.end(), [&] { return static_cast<T>(uniform(random, low, high)); });
+    return list;
+}
+
+inline std::vector<float> random_floats(std::mt19937& random, int count, float low, float high)
+{
+    std::uniform_real_distribution<float> value(low, high);
+    std::vector<float> list(static_cast<std::size_t>(count));
+    std::generate(list.begin(), list.end(), [&] { return value(random); });
+    return list;
+}
+
+/// Lengths about the widths of vectors, and others.
+inline std::vector<int> awkward_counts()
+{
+    return {1, 2, 3, 7, 8, 15, 16, 17, 31, 32, 33, 47, 63, 64, 65, 127, 129, 200};
 }
 
 } // namespace lumisweep::test

@@ -18,6 +18,14 @@ struct Place {
     std::size_t bytes;
 };
 
+/// Memory that has been written: pages that are only read would all be one page of zeros.
+AlignedArray<std::uint8_t> written(std::size_t bytes)
+{
+    AlignedArray<std::uint8_t> data(bytes);
+    std::fill(data.begin(), data.end(), std::uint8_t{3});
+    return data;
+}
+
 /// Enough passes for about 16 MB a call, so that the call itself costs nothing.
 int passes_for(std::size_t bytes)
 {
@@ -26,7 +34,7 @@ int passes_for(std::size_t bytes)
 
 void read(benchmark::State& state, const MachineKernels& kernels, std::size_t bytes, std::size_t offset)
 {
-    AlignedArray<std::uint8_t> data(bytes + 64);
+    const AlignedArray<std::uint8_t> data = written(bytes + 64);
     const int passes = passes_for(bytes);
     for (auto _ : state)
         benchmark::DoNotOptimize(kernels.read(data.data() + offset, bytes, passes));
@@ -35,7 +43,7 @@ void read(benchmark::State& state, const MachineKernels& kernels, std::size_t by
 
 void read_two_threads(benchmark::State& state, const MachineKernels& kernels, std::size_t bytes)
 {
-    AlignedArray<std::uint8_t> data(bytes);
+    const AlignedArray<std::uint8_t> data = written(bytes);
     tbb::task_arena arena(2);
     constexpr std::size_t pieces = 64;
     const std::size_t piece = bytes / pieces;
@@ -50,7 +58,7 @@ void read_two_threads(benchmark::State& state, const MachineKernels& kernels, st
 
 void stream(benchmark::State& state, const MachineKernels& kernels, std::size_t bytes)
 {
-    AlignedArray<std::uint8_t> data(bytes);
+    AlignedArray<std::uint8_t> data = written(bytes);
     for (auto _ : state)
         kernels.stream(data.data(), bytes);
     state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(bytes));

@@ -105,7 +105,7 @@ void expect_plan(const std::vector<int>& chosen, const VisibilitySettings& setti
 {
     const Vec3i size{30, 20, 25};
     const int n = settings.directions, lines = settings.oversampling;
-    const std::vector<SweepTask> tasks = plan_sweeps(size, oblique(), settings, chosen, largest);
+    const std::vector<SweepTask> tasks = plan_sweeps(oblique(), settings, chosen, largest);
     std::vector<int> line_count(static_cast<std::size_t>(n * n), 0), task_count = line_count;
     for (const SweepTask& task : tasks) {
         for (const int d : task.directions())

@@ -123,36 +123,38 @@ void Session::replace_visibility(VisibilityGrid grid)
     s.stale_visibility = false;
 }
 
-void Session::prepare(const std::atomic<bool>* cancel)
+bool Session::prepare(const std::atomic<bool>* cancel)
 {
     State& s = *state_;
     s.rethrow();
     s.update_majorants();
     if (!s.needs_joint())
-        return;
+        return true;
     if (s.stale_visibility && s.mode == SweepMode::before_pass) {
         if (!s.sweep_now(cancel))
-            return;
+            return false;
     } else if (s.stale_visibility) {
         s.sweep_failed = false;
         s.sweep_in_background();
         if (!s.background.wait(cancel))
-            return;
+            return false;
     }
-    s.update_joint(cancel);
+    return s.update_joint(cancel);
 }
 
 PassEnd Session::render_pass(const std::atomic<bool>* cancel)
 {
     State& s = *state_;
     if (s.mode == SweepMode::before_pass) {
-        prepare(cancel);
+        if (!prepare(cancel))
+            return PassEnd::cancelled;
     } else {
         s.rethrow();
         s.update_majorants();
         if (s.needs_joint()) {
             s.sweep_in_background();
-            s.update_joint(cancel);
+            if (!s.update_joint(cancel))
+                return PassEnd::cancelled;
         }
     }
     if (cancel != nullptr && cancel->load())

@@ -81,7 +81,8 @@ public:
 
     /// Brings everything but the film up to date: majorants, sweeps, joint grid; waits for a background sweep. Passes
     /// do it by themselves before they begin (before_pass), or bit by bit. When *cancel becomes true it returns early.
-    void prepare(const std::atomic<bool>* cancel = nullptr);
+    /// False when *cancel became true before all was done.
+    bool prepare(const std::atomic<bool>* cancel = nullptr);
     /// Adds one sample to every pixel. Returns cancelled, with the film as it was before, when *cancel became true.
     PassEnd render_pass(const std::atomic<bool>* cancel = nullptr);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <tbb/task_arena.h>
+
 #include "lumisweep/base/memory.h"
 #include "lumisweep/base/stopwatch.h"
 #include "lumisweep/render/camera.h"
@@ -126,7 +128,9 @@ bool Session::State::sweep_now(const std::atomic<bool>* cancel)
     const VisibilitySettings& settings = input.visibility;
     const Vec3i& size = input.volume->size();
     // A joint grid that stays is rebuilt in place, which saves its allocation; where memory is short, sweeps need it.
-    if (joint.bytes() > 0 && available_memory() / 2 < extinction_bytes(size, settings)) {
+    const std::uint64_t sweep_needs =
+        extinction_bytes(size, settings) + sweep_scratch_bytes(size, settings, tbb::this_task_arena::max_concurrency());
+    if (joint.bytes() > 0 && available_memory() / 2 < sweep_needs) {
         joint = JointGrid();
         stale_joint = true;
     }
@@ -179,7 +183,7 @@ void Session::State::drop_sweep()
     stale_visibility = true;
 }
 
-void Session::State::update_joint(const std::atomic<bool>* cancel)
+bool Session::State::update_joint(const std::atomic<bool>* cancel)
 {
     const bool ended = sweeping && !background.busy(); // looked at before what is published
     const std::uint64_t published = visibility->published();
@@ -196,20 +200,21 @@ void Session::State::update_joint(const std::atomic<bool>* cancel)
             });
         }
         if (stale_joint)
-            return;
+            return false;
         stats.joint_s += joint_build_s;
         ++stats.joint_builds;
         stats.joint_bytes = joint.bytes();
         published_in_joint = published;
     }
     if (!ended)
-        return;
+        return true;
     rethrow();
     sweeping = stale_visibility = false;
     stats.classify_s += sweeping_stats->classify_s;
     stats.sweep_s += sweeping_stats->sweep_s;
     stats.last_sweep = sweeping_stats->sweep;
     stats.visibility_bytes = visibility->bytes();
+    return true;
 }
 
 } // namespace lumisweep

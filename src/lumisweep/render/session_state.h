@@ -61,7 +61,8 @@ struct Session::State {
     void drop_sweep();
     /// Brings the joint grid up to date with what is published. When nothing but published directions has changed, at
     /// most a quarter of the time goes into that, until all are there. When cancelled it is left stale.
-    void update_joint(const std::atomic<bool>* cancel);
+    /// False when *cancel became true.
+    bool update_joint(const std::atomic<bool>* cancel);
     /// Takes a grid of the input's shape in place of the present one.
     void use_visibility(VisibilityGrid grid);
     /// Throws what the background sweep has thrown, once.

@@ -38,19 +38,6 @@ std::vector<std::vector<int>> batches(const std::vector<std::vector<int>>& group
     return result;
 }
 
-void add(SweepStats& sum, const SweepStats& part)
-{
-    sum.layout_s += part.layout_s;
-    sum.march_s += part.march_s;
-    sum.lookup_s += part.lookup_s;
-    sum.filter_s += part.filter_s;
-    sum.total_s += part.total_s;
-    sum.voxel_steps += part.voxel_steps;
-    sum.bytes_read += part.bytes_read;
-    sum.mip_level = part.mip_level;
-    sum.rays = part.rays;
-}
-
 bool sweep_all(LiveVisibility& grid, const LiveSweepInput& input, const std::atomic<bool>& cancel,
                LiveSweepStats& stats)
 {
@@ -70,7 +57,7 @@ bool sweep_all(LiveVisibility& grid, const LiveSweepInput& input, const std::ato
         if (cancel.load(std::memory_order_relaxed))
             return false;
         VisibilityGrid& staged = grid.stage(batch);
-        add(stats.sweep, sweep_visibility(staged, extinction, input.visibility, batch, &cancel));
+        stats.sweep += sweep_visibility(staged, extinction, input.visibility, batch, &cancel);
         if (cancel.load(std::memory_order_relaxed))
             return false;
         grid.publish();

@@ -53,6 +53,10 @@ VisibilityGrid& LiveVisibility::stage(std::span<const int> directions)
     LUMISWEEP_EXPECT(directions.size() <= static_cast<std::size_t>(spare_count_));
     const int own = grid_.direction_count();
     if (spare_.empty()) {
+        // All that later calls append, so that they cannot fail half way.
+        free_.reserve(static_cast<std::size_t>(spare_count_));
+        retired_.reserve(static_cast<std::size_t>(spare_count_));
+        staged_.reserve(static_cast<std::size_t>(spare_count_));
         spare_ = AlignedArray<std::uint8_t>(VisibilityGrid::direction_stride(grid_.cell_count_) *
                                                 static_cast<std::size_t>(spare_count_),
                                             Contents::uninitialised);

@@ -70,7 +70,7 @@ std::vector<SweepTask> plan(const MarchedLevel& level, const VisibilitySettings&
         std::iota(all.begin(), all.end(), 0);
         directions = all;
     }
-    return plan_sweeps(level.size, level.level_from_world, settings, directions,
+    return plan_sweeps(level.level_from_world, settings, directions,
                        largest_sweep_group(level.size, level.cells, settings, directions.size(), threads));
 }
 
@@ -156,6 +156,20 @@ private:
 
 } // namespace
 
+SweepStats& SweepStats::operator+=(const SweepStats& part)
+{
+    layout_s += part.layout_s;
+    march_s += part.march_s;
+    lookup_s += part.lookup_s;
+    filter_s += part.filter_s;
+    total_s += part.total_s;
+    voxel_steps += part.voxel_steps;
+    bytes_read += part.bytes_read;
+    mip_level = part.mip_level;
+    rays = part.rays;
+    return *this;
+}
+
 int sweep_mip_level(Vec3i volume_size, int rays)
 {
     int side = std::max({volume_size.x, volume_size.y, volume_size.z});
@@ -196,7 +210,7 @@ SweepStats sweep_visibility_with(const SweepKernels& kernels, VisibilityGrid& gr
     for (const SweepTask& task : tasks)
         for (const SweepGroup& group : task.groups)
             require(!extinction.transposed.empty() ||
-                        SweepGeometry(marched.size, marched.level_from_world, group.front().w_world).axis != 0,
+                        SweepLine(marched.level_from_world, group.front().w_world).axis != 0,
                     "visibility sweep: a direction runs along x and needs the transposed layout (see "
                     "ExtinctionLayouts)");
     tbb::enumerable_thread_specific<Worker> worker_of_thread(
@@ -212,14 +226,8 @@ SweepStats sweep_visibility_with(const SweepKernels& kernels, VisibilityGrid& gr
     });
 
     SweepStats stats;
-    for (const Worker& worker : worker_of_thread) {
-        stats.layout_s += worker.stats().layout_s;
-        stats.march_s += worker.stats().march_s;
-        stats.lookup_s += worker.stats().lookup_s;
-        stats.filter_s += worker.stats().filter_s;
-        stats.voxel_steps += worker.stats().voxel_steps;
-        stats.bytes_read += worker.stats().bytes_read;
-    }
+    for (const Worker& worker : worker_of_thread)
+        stats += worker.stats();
     stats.mip_level = level;
     stats.rays = std::max({marched.size.x, marched.size.y, marched.size.z});
     stats.total_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

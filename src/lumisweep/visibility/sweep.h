@@ -24,6 +24,9 @@ struct SweepStats {
     std::uint64_t bytes_read = 0;  ///< of the level, by all groups
     int mip_level = 0;             ///< of the extinction grid that was marched
     int rays = 0;                  ///< rays along the longer side of the sweep plane
+
+    /// Adds what was done; the level and the rays are those of `part`.
+    SweepStats& operator+=(const SweepStats& part);
 };
 
 /// The mip level (rays 2^level voxels apart) that `rays` means for this volume; 0 ("auto") takes the default.

@@ -17,17 +17,6 @@ int dominant_axis(const Vec3d& w_level)
     return z >= x * tie ? 2 : 0;
 }
 
-struct AxisChoice {
-    int axis;
-    double along;
-};
-
-AxisChoice choose_axis(const Vec3d& w_level)
-{
-    const int axis = dominant_axis(w_level);
-    return {axis, component(w_level, axis)};
-}
-
 } // namespace
 
 SweepAxis::SweepAxis(int voxels, double slope_per_slice, int slices) : size(voxels), slope(slope_per_slice)
@@ -86,18 +75,21 @@ SidePass SweepAxis::pass(double x) const
     return {std::min(a, b), std::max(a, b)};
 }
 
+SweepLine::SweepLine(const Affine3d& level_from_world, const Vec3d& w_world)
+{
+    const Vec3d w_level = level_from_world.vector(w_world);
+    axis = dominant_axis(w_level);
+    const double along = component(w_level, axis);
+    towards_high_side = along > 0.0;
+    slice_world = 1.0 / std::fabs(along);
+    slope_u = component(w_level, u_axis_of(axis)) / along;
+    slope_v = component(w_level, v_axis_of(axis)) / along;
+}
+
 SweepGeometry::SweepGeometry(Vec3i level_size, const Affine3d& level_from_world, const Vec3d& w_world)
-    : axis(choose_axis(level_from_world.vector(w_world)).axis),
-      towards_high_side(choose_axis(level_from_world.vector(w_world)).along > 0.0), slices(component(level_size, axis)),
-      slice_world(1.0 / std::fabs(component(level_from_world.vector(w_world), axis))),
-      u(component(level_size, u_axis_of(axis)),
-        component(level_from_world.vector(w_world), u_axis_of(axis)) /
-            component(level_from_world.vector(w_world), axis),
-        slices),
-      v(component(level_size, v_axis_of(axis)),
-        component(level_from_world.vector(w_world), v_axis_of(axis)) /
-            component(level_from_world.vector(w_world), axis),
-        slices)
+    : SweepLine(level_from_world, w_world), slices(component(level_size, axis)),
+      u(component(level_size, u_axis_of(axis)), slope_u, slices),
+      v(component(level_size, v_axis_of(axis)), slope_v, slices)
 {
 }
 

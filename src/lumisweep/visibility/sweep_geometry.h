@@ -47,14 +47,21 @@ struct SweepPiece {
     std::int8_t weight[4]; ///< of the voxels (v, u), (v + 1, u), (v, u + 1), (v + 1, u + 1)
 };
 
-struct SweepGeometry {
-    int axis;               ///< the sweep's: 0, 1, 2
-    bool towards_high_side; ///< whether w points to the high side, so that its rays come in there
+/// A direction's axis and shear; w and −w have the same, but for the side that they point to.
+struct SweepLine {
+    int axis;                ///< the sweep's: 0, 1, 2
+    bool towards_high_side;  ///< whether w points to the high side, so that its rays come in there
+    double slice_world;      ///< world length of a ray inside of one slice
+    double slope_u, slope_v; ///< voxels per slice, −1 … 1
+
+    /// Ties between the axes go to y, then to z: x needs a transposed volume.
+    SweepLine(const Affine3d& level_from_world, const Vec3d& w_world);
+};
+
+struct SweepGeometry : SweepLine {
     int slices;
-    double slice_world; ///< world length of a ray inside of one slice
     SweepAxis u, v;
 
-    /// Ties between the axes go to y, then to z: x needs a transposed volume. w and −w have the same rays.
     SweepGeometry(Vec3i level_size, const Affine3d& level_from_world, const Vec3d& w_world);
 
     /// The slices from one depth to another, cut there.

@@ -97,7 +97,8 @@ void PairVisibility::look_up(RayPlane& plane, int slice, SweepStats& stats)
     side.depth = static_cast<float>(depth);
     side.weight = static_cast<float>(weight_at(depth));
     side.count = cells_u_;
-    side.scale = static_cast<float>(level_.extinction_of_one * g.slice_world * std::numbers::log2e);
+    // Bounded, so that no extinction stays none even where the scale is infinite.
+    side.scale = static_cast<float>(std::min(level_.extinction_of_one * g.slice_world * std::numbers::log2e, 1e30));
     // Rows of rays that run from one end to the other see the sides of u only.
     side.row_begin[0] = side.row_begin[1] = side.row_enter = 0.0F;
     side.row_end[0] = side.row_end[1] = whole;

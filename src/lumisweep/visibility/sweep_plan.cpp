@@ -53,9 +53,8 @@ std::vector<int> SweepTask::directions() const
     return list;
 }
 
-std::vector<SweepTask> plan_sweeps(Vec3i level_size, const Affine3d& level_from_world,
-                                   const VisibilitySettings& settings, std::span<const int> directions,
-                                   std::size_t largest_group)
+std::vector<SweepTask> plan_sweeps(const Affine3d& level_from_world, const VisibilitySettings& settings,
+                                   std::span<const int> directions, std::size_t largest_group)
 {
     const int n = settings.directions;
     const int lines_per_texel = settings.oversampling;
@@ -81,10 +80,10 @@ std::vector<SweepTask> plan_sweeps(Vec3i level_size, const Affine3d& level_from_
         for (int line = 0; line < lines_per_texel; ++line) {
             SweepPair pair;
             pair.w_world = texel_direction(d * lines_per_texel + line, n * lines_per_side);
-            const SweepGeometry geometry(level_size, level_from_world, pair.w_world);
-            pair.towards_low = target(geometry.towards_high_side ? other : d);
-            pair.towards_high = target(geometry.towards_high_side ? d : other);
-            groups[{geometry.axis, geometry.v.slope > 0.0}].push_back(pair);
+            const SweepLine sweep(level_from_world, pair.w_world);
+            pair.towards_low = target(sweep.towards_high_side ? other : d);
+            pair.towards_high = target(sweep.towards_high_side ? d : other);
+            groups[{sweep.axis, sweep.slope_v > 0.0}].push_back(pair);
         }
         if (lines_per_texel > 1) {
             SweepTask task;

@@ -29,9 +29,8 @@ struct SweepTask {
 };
 
 /// `directions` each once, none out of range. A direction gets the same V in whatever task it is.
-std::vector<SweepTask> plan_sweeps(Vec3i level_size, const Affine3d& level_from_world,
-                                   const VisibilitySettings& settings, std::span<const int> directions,
-                                   std::size_t largest_group);
+std::vector<SweepTask> plan_sweeps(const Affine3d& level_from_world, const VisibilitySettings& settings,
+                                   std::span<const int> directions, std::size_t largest_group);
 
 /// Largest group that keeps a thread's memory within bounds and leaves work for `threads`, when that many directions
 /// are swept.

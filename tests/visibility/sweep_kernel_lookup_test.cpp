@@ -30,7 +30,9 @@ struct LookupCase {
         fraction = random_floats(random, count, 0.0F, 1.0F);
         const int first = uniform(random, 0, 5);
         for (int c = 0; c < count; ++c) {
-            const int ray = step != 0 ? first + 2 * step * c : uniform(random, 0, 2 * half - 2);
+            const int ray = step == neighbouring_rays ? first + c
+                            : step != 0               ? first + 2 * step * c
+                                                      : uniform(random, 0, 2 * half - 2);
             const auto stored = [&](int k) { return (k >> 1) + (k & 1) * half; };
             index.push_back(stored(ray));
             next.push_back(stored(ray + 1));
@@ -45,7 +47,7 @@ struct LookupCase {
 TEST(SweepKernels, LookupsAreBilinear)
 {
     std::mt19937 random(3);
-    for (const int step : {0, 1, 2, 3, 4})
+    for (const int step : {neighbouring_rays, 0, 1, 2, 3, 4})
         for (const int count : awkward_counts()) {
             const LookupCase lookup(random, count, step);
             std::vector<float> expected(static_cast<std::size_t>(count));

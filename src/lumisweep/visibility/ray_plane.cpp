@@ -89,7 +89,7 @@ void RayPlane::look_up(const SweepKernels& kernels, int slice, int row_of_cells,
         indexed_slice_ = slice;
         const std::int32_t* rays = u_.rays_of(slice);
         const auto stored = [&](std::int32_t ray) { return (ray >> 1) + (ray & 1) * half_row_; };
-        const int count = row_step() > 0 ? 1 : u_.cells;
+        const int count = row_step() != 0 ? 1 : u_.cells;
         for (int c = 0; c < count; ++c) {
             index_[static_cast<std::size_t>(c)] = stored(rays[c]);
             next_[static_cast<std::size_t>(c)] = stored(rays[c] + 1);

@@ -66,9 +66,11 @@ public:
     std::span<const SweepPiece> slab(int slab) const;
 
 private:
-    /// Stored rays between those of neighbouring cells, even and odd ones being apart; 0 where that varies and for
-    /// steps that the kernels have no loop for.
-    int row_step() const { return u_.step == 2 || u_.step == 4 || u_.step == 8 ? u_.step / 2 : 0; }
+    /// LookupRow::step: even and odd rays are stored apart; 0 also for steps that the kernels have no loop for.
+    int row_step() const
+    {
+        return u_.step == 1 ? neighbouring_rays : u_.step == 2 || u_.step == 4 || u_.step == 8 ? u_.step / 2 : 0;
+    }
 
     std::unique_ptr<SweepGeometry> geometry_;
     CellPlaces u_, v_;

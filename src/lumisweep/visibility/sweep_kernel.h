@@ -40,13 +40,17 @@ struct MarchBlocks {
     int edge_count;
 };
 
+/// LookupRow::step of cells that lie on neighbouring rays, of alternating parity, with one fraction for all.
+inline constexpr int neighbouring_rays = -1;
+
 /// A row of cells on two rows of rays.
 struct LookupRow {
     const std::int32_t *low, *high;   ///< the rows of rays below and above
     const std::int32_t *index, *next; ///< [cell] where the two rays beside it are stored in each row
     const float* fraction;            ///< [cell] towards the second
     float fraction_rows;              ///< towards the row above
-    int step;                         ///< index[c + 1] − index[c], if one step and fraction hold for all, else 0
+    int step;                         ///< index[c + 1] − index[c], if one step and fraction hold for all (then only
+                                      ///< index[0] and next[0] are read), or neighbouring_rays; else 0
     int count;                        ///< cells
 };
 

@@ -83,9 +83,31 @@ inline __attribute__((always_inline)) void look_up_evenly(float* __restrict tau,
     }
 }
 
+/// Cells on neighbouring rays: two at a time, of which the first lies between rays k of either parity and the second
+/// between the same ray of the second parity and ray k + 1 of the first.
+void look_up_neighbours(float* __restrict tau, const LookupRow& row)
+{
+    const std::int32_t *low = row.low + row.index[0], *low_next = row.low + row.next[0];
+    const std::int32_t *high = row.high + row.index[0], *high_next = row.high + row.next[0];
+    const float f = row.fraction[0], rest = 1.0F - f;
+    const float f_rows = row.fraction_rows, rest_rows = 1.0F - f_rows;
+    const auto mix = [&](std::int32_t a, std::int32_t b) __attribute__((always_inline))
+    {
+        return static_cast<float>(a) * rest + static_cast<float>(b) * f;
+    };
+    const int pairs = row.count / 2;
+    for (int k = 0; k < pairs; ++k) {
+        tau[2 * k] = mix(low[k], low_next[k]) * rest_rows + mix(high[k], high_next[k]) * f_rows;
+        tau[2 * k + 1] = mix(low_next[k], low[k + 1]) * rest_rows + mix(high_next[k], high[k + 1]) * f_rows;
+    }
+    if (row.count % 2 != 0)
+        tau[2 * pairs] = mix(low[pairs], low_next[pairs]) * rest_rows + mix(high[pairs], high_next[pairs]) * f_rows;
+}
+
 void look_up(float* __restrict tau, const LookupRow& row)
 {
     switch (row.step) {
+    case neighbouring_rays: return look_up_neighbours(tau, row);
     case 1: return look_up_evenly<1>(tau, row);
     case 2: return look_up_evenly<2>(tau, row);
     case 4: return look_up_evenly<4>(tau, row);

@@ -75,8 +75,18 @@ class Usage(ProgramTest):
         self.assertEqual(found["cells"], [6, 6, 6])
         self.assertEqual(found["directions"], 64)
         self.assertEqual(found["check"]["positions"], 50)
-        self.assertLess(found["check"]["rms"], 0.2)
+        self.assertLess(found["check"]["rms"], 0.2)  # filtered: meant to be near the average, not the exact
+        for stage in ("load", "classify", "sweep", "product"):
+            self.assertGreaterEqual(found["seconds"][stage], 0.0)
+        for part in ("layouts", "march", "lookup", "filter"):
+            self.assertGreater(found["processor_seconds"][part], 0.0)
+        self.assertGreater(found["voxel_steps_per_second"], 0.0)
+        self.assertEqual(found["rays_chosen"], "auto")
         self.assertGreater(found["memory_bytes"]["visibility"], 0)
+        unfiltered = json.loads(self.expect_success("sweep", "scene.json", "--json", "--check", "50", "--set", "visibility.filter=none",
+                                                    "--set", "visibility.rays=512").stdout)
+        self.assertEqual(unfiltered["rays_chosen"], "given")
+        self.assertLess(unfiltered["check"]["rms"], 0.02)
         self.assertIn("march", self.expect_success("sweep", "scene.json").stdout)
 
 

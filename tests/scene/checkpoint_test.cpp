@@ -4,6 +4,8 @@
 #include <cstring>
 #include <fstream>
 
+#include <unistd.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +35,9 @@ Film some_film()
 
 class Checkpoint : public testing::Test {
 protected:
-    fs::path file = fs::path(testing::TempDir()) / "lumisweep_checkpoint_test.ckpt";
+    /// One for each process: CTest runs tests of this program side by side.
+    fs::path file =
+        fs::path(testing::TempDir()) / ("lumisweep_checkpoint_test-" + std::to_string(::getpid()) + ".ckpt");
     ~Checkpoint() override { fs::remove(file); }
 
     std::string refusal(const Fingerprint& expected = fingerprint) const

@@ -74,6 +74,7 @@ bool JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const
         return true;
     }
     std::vector<const std::uint8_t*> directions;
+    directions.reserve(static_cast<std::size_t>(visibility.direction_count()));
     for (int d = 0; d < visibility.direction_count(); ++d)
         directions.push_back(visibility.direction(d));
     JointWork work;

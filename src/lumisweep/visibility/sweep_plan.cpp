@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "lumisweep/math/morton.h"
 #include "lumisweep/math/octahedral.h"
@@ -23,11 +24,8 @@ int opposite(int morton, int side)
     return dot(w, texel_direction(found, side)) < -1.0 + 1e-9 ? found : -1;
 }
 
-struct GroupKey {
-    int axis;
-    bool rising; ///< sign of the shear across rows
-    auto operator<=>(const GroupKey&) const = default;
-};
+/// The sweep's axis and the sign of the shear across rows.
+using GroupKey = std::pair<int, bool>;
 
 /// In as few parts as can be, of nearly equal size.
 void append_parts(std::vector<SweepGroup>& parts, const SweepGroup& group, std::size_t largest)

@@ -8,7 +8,7 @@
 
 namespace lumisweep {
 
-using Bytes16 = std::uint8_t __attribute__((vector_size(16), aligned(1), may_alias));
+using Bytes16 = std::uint8_t __attribute__((vector_size(16)));
 
 LUMISWEEP_HD Bytes16 zip_low(Bytes16 a, Bytes16 b)
 {
@@ -26,7 +26,7 @@ LUMISWEEP_HD void transpose_16(const std::uint8_t* from, std::size_t from_stride
 {
     Bytes16 a[16], b[16];
     for (std::size_t r = 0; r < 16; ++r)
-        a[r] = *reinterpret_cast<const Bytes16*>(from + r * from_stride);
+        __builtin_memcpy(&a[r], from + r * from_stride, sizeof(Bytes16)); // rows may lie anywhere
     for (int twice = 0; twice < 2; ++twice) {
         for (std::size_t r = 0; r < 8; ++r) {
             b[2 * r] = zip_low(a[r], a[r + 8]);
@@ -38,7 +38,7 @@ LUMISWEEP_HD void transpose_16(const std::uint8_t* from, std::size_t from_stride
         }
     }
     for (std::size_t r = 0; r < 16; ++r)
-        *reinterpret_cast<Bytes16*>(to + r * to_stride) = a[r];
+        __builtin_memcpy(to + r * to_stride, &a[r], sizeof(Bytes16));
 }
 
 /// Any width × height.

@@ -120,11 +120,14 @@ void write_images(const std::vector<std::string>& files, const Session& session,
 void write_stats(const fs::path& file, const Session& session, const RenderResult& result, double load_s, int threads)
 {
     const SessionStats& stats = session.stats();
+    const RenderSettings render = session.input().render.resolved();
     const double noise = session.film().noise();
     nlohmann::ordered_json json;
     json["strategy"] = name_of(session.input().render.strategy);
+    json["random_numbers"] = render.random_numbers == RandomNumbers::stratified ? "stratified" : "independent";
     json["samples_per_pixel"] = session.film().samples();
     json["paths"] = stats.counts.paths;
+    json["shadow_rays"] = {{"per_camera_ray", render.shadow_rays}, {"traced", stats.counts.shadow_rays}};
     json["threads"] = threads;
     json["device"] = session.backend().device();
     json["isa"] = session.backend().isa();

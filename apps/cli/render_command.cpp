@@ -67,14 +67,16 @@ void add_options(CLI::App& app, RenderOptions& options)
         ->type_name("OUT.exr|OUT.png")
         ->allow_extra_args(false);
     std::map<std::string, Strategy> strategies;
-    for (const Strategy s :
-         {Strategy::uniform, Strategy::environment, Strategy::visibility, Strategy::combined, Strategy::two_step})
+    for (const Strategy s : {Strategy::uniform, Strategy::environment, Strategy::visibility, Strategy::combined,
+                             Strategy::two_step, Strategy::automatic})
         strategies[name_of(s)] = s;
     app.add_option_function<std::string>(
            "--strategy", [&options, strategies](const std::string& name) { options.strategy = strategies.at(name); },
-           "How directions towards the light are chosen: two-step when left out")
+           "How directions towards the light are chosen: auto when left out, the least noise for the time; the others "
+           "are "
+           "the papers', for comparison")
         ->check(CLI::IsMember(strategies).description(""))
-        ->type_name("uniform|environment|visibility|combined|two-step");
+        ->type_name("uniform|environment|visibility|combined|two-step|auto");
     auto* samples =
         app.add_option("--samples", options.samples, "Stop after N samples a pixel (64 when nothing is given)")
             ->check(CLI::Range(std::int64_t{1}, std::int64_t{2147483647}))

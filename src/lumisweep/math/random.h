@@ -44,9 +44,14 @@ LUMISWEEP_HD I multiply_add(const I& c, const I& a, const I& b)
 
 } // namespace detail
 
-/// The numbers of event `dimension` of a path.
+template <class I>
+struct RandomBits3 {
+    I x, y, z;
+};
+
+/// Three words of event `dimension`.
 template <class F>
-LUMISWEEP_HD Random3<F> random3(const RandomKey<F>& key, const int_of<F>& dimension)
+LUMISWEEP_HD RandomBits3<int_of<F>> random_bits3(const RandomKey<F>& key, const int_of<F>& dimension)
 {
     using I = int_of<F>;
     I x = detail::lcg(key.k0), y = detail::lcg(key.k1), z = detail::lcg(dimension);
@@ -59,7 +64,15 @@ LUMISWEEP_HD Random3<F> random3(const RandomKey<F>& key, const int_of<F>& dimens
     x = detail::multiply_add(x, y, z);
     y = detail::multiply_add(y, z, x);
     z = detail::multiply_add(z, x, y);
-    return {uniform_from_bits<F>(x), uniform_from_bits<F>(y), uniform_from_bits<F>(z)};
+    return {x, y, z};
+}
+
+/// The numbers of event `dimension` of a path.
+template <class F>
+LUMISWEEP_HD Random3<F> random3(const RandomKey<F>& key, const int_of<F>& dimension)
+{
+    const RandomBits3<int_of<F>> bits = random_bits3(key, dimension);
+    return {uniform_from_bits<F>(bits.x), uniform_from_bits<F>(bits.y), uniform_from_bits<F>(bits.z)};
 }
 
 /// The key of a pixel's path in a pass; pass0 and pass1 come from pass_key().

@@ -16,24 +16,21 @@ std::size_t pixels_of(int width, int height)
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-/// Variance of the mean of n samples from their sum and sum of squares.
-double variance_of_mean(double sum, double sum_squares, double n)
-{
-    return std::max(sum_squares - sum * sum / n, 0.0) / (n * (n - 1.0));
-}
+constexpr std::int64_t samples_before_blocks = 2 * samples_a_block;
 
 } // namespace
 
 std::uint64_t Film::bytes_needed(int width, int height)
 {
-    constexpr std::uint64_t film = 6 * sizeof(double) + feature_count * sizeof(float);
+    constexpr std::uint64_t film = 9 * sizeof(double) + feature_count * sizeof(float);
     constexpr std::uint64_t samples = (3 + feature_count) * sizeof(float);
     return pixels_of(width, height) * (film + samples);
 }
 
 Film::Film(int width, int height)
     : width_(width), height_(height), color_sum_(pixels_of(width, height) * 3),
-      color_sum_squares_(pixels_of(width, height) * 3), features_(pixels_of(width, height) * feature_count)
+      color_sum_squares_(pixels_of(width, height) * 3), block_begin_(pixels_of(width, height) * 3),
+      features_(pixels_of(width, height) * feature_count)
 {
 }
 
@@ -42,26 +39,50 @@ void Film::clear()
     samples_ = 0;
     std::fill(color_sum_.begin(), color_sum_.end(), 0.0);
     std::fill(color_sum_squares_.begin(), color_sum_squares_.end(), 0.0);
+    std::fill(block_begin_.begin(), block_begin_.end(), 0.0);
     std::fill(features_.begin(), features_.end(), 0.0F);
 }
 
 void Film::add(const SampleView& samples)
 {
+    const std::int64_t after = samples_ + 1;
+    const bool single = after < samples_before_blocks, ends_block = after % samples_a_block == 0;
     const std::size_t row = static_cast<std::size_t>(width_);
     parallel_for(0, height_, [&](int y) {
         const std::size_t first = static_cast<std::size_t>(y) * row;
         for (std::size_t i = first * 3; i < (first + row) * 3; ++i) {
             const double c = samples.color[i];
             color_sum_[i] += c;
-            color_sum_squares_[i] += c * c;
             samples.color[i] = 0.0F;
+            if (single)
+                color_sum_squares_[i] += c * c;
+            if (!ends_block)
+                continue;
+            const double block = color_sum_[i] - block_begin_[i];
+            if (after == samples_before_blocks)
+                color_sum_squares_[i] = block_begin_[i] * block_begin_[i] + block * block;
+            else if (!single)
+                color_sum_squares_[i] += block * block;
+            block_begin_[i] = color_sum_[i];
         }
         for (std::size_t i = first * feature_count; i < (first + row) * feature_count; ++i) {
             features_[i] += samples.features[i];
             samples.features[i] = 0.0F;
         }
     });
-    ++samples_;
+    samples_ = after;
+}
+
+double Film::variance_of_mean(std::size_t i) const
+{
+    // The sum and the sum of squares of n equal, independent parts.
+    const bool blocks = samples_ >= samples_before_blocks;
+    const double n = static_cast<double>(blocks ? samples_ / samples_a_block : samples_);
+    const double sum = blocks ? block_begin_[i] : color_sum_[i];
+    const double variance_of_part = std::max(color_sum_squares_[i] - sum * sum / n, 0.0) / (n - 1.0);
+    // All samples make the mean, those of the block under way as well.
+    const double samples_a_part = blocks ? static_cast<double>(samples_a_block) : 1.0;
+    return variance_of_part / samples_a_part / static_cast<double>(samples_);
 }
 
 double Film::noise() const
@@ -72,11 +93,9 @@ double Film::noise() const
     double variance = 0.0, mean = 0.0;
     for (std::size_t i = 0; i < color_sum_.size(); i += 3) {
         const double* s = color_sum_.data() + i;
-        const double* q = color_sum_squares_.data() + i;
         // Channels of a sample are almost perfectly correlated, so standard deviations add, weighted by luminance.
-        const double deviation =
-            luminance(std::sqrt(variance_of_mean(s[0], q[0], n)), std::sqrt(variance_of_mean(s[1], q[1], n)),
-                      std::sqrt(variance_of_mean(s[2], q[2], n)));
+        const double deviation = luminance(std::sqrt(variance_of_mean(i)), std::sqrt(variance_of_mean(i + 1)),
+                                           std::sqrt(variance_of_mean(i + 2)));
         variance += deviation * deviation;
         mean += luminance(s[0], s[1], s[2]) / n;
     }
@@ -101,9 +120,7 @@ Image Film::to_image() const
         channel(name, [&](std::size_t p) { return color_sum_[3 * p + i] / n; });
     };
     const auto variance = [&](const char* name, std::size_t i) {
-        channel(name, [&](std::size_t p) {
-            return samples_ < 2 ? 0.0 : variance_of_mean(color_sum_[3 * p + i], color_sum_squares_[3 * p + i], n);
-        });
+        channel(name, [&](std::size_t p) { return samples_ < 2 ? 0.0 : variance_of_mean(3 * p + i); });
     };
     const auto feature = [&](const char* name, std::size_t i) {
         channel(name, [&](std::size_t p) { return features_[feature_count * p + i] / n; });

@@ -9,8 +9,12 @@
 
 namespace lumisweep {
 
-/// Sums over samples, whole passes at a time. Memory: color_sum and color_sum_squares [pixels][3] double; features
-/// [pixels][8] float: albedo r g b, normal x y z (world), depth, hits (samples that met the volume).
+/// Sums over samples, whole passes at a time. The samples of a block (samples_a_block) may be stratified together, so
+/// the variance is taken from the blocks' sums, which are independent; below two blocks from single samples, which for
+/// stratified ones is too much rather than too little.
+/// Memory: color_sum, color_sum_squares and block_begin [pixels][3] double, the squares of single samples up to two
+/// blocks and of blocks' sums from there on, block_begin what color_sum was when the block began; features [pixels][8]
+/// float: albedo r g b, normal x y z (world), depth, and the part of the sample that met the volume.
 class Film {
 public:
     static constexpr int feature_count = 8;
@@ -34,6 +38,8 @@ public:
     const AlignedArray<double>& color_sum() const { return color_sum_; }
     AlignedArray<double>& color_sum_squares() { return color_sum_squares_; }
     const AlignedArray<double>& color_sum_squares() const { return color_sum_squares_; }
+    AlignedArray<double>& block_begin() { return block_begin_; }
+    const AlignedArray<double>& block_begin() const { return block_begin_; }
     AlignedArray<float>& features() { return features_; }
     const AlignedArray<float>& features() const { return features_; }
 
@@ -44,10 +50,13 @@ public:
     /// Layers as documented in docs/output.md: R G B A, Variance.*, albedo.*, normal.*, depth.Z.
     Image to_image() const;
 
+    /// Estimated variance of element i (3 · pixel + colour) of the mean image; from two samples on.
+    double variance_of_mean(std::size_t i) const;
+
 private:
     int width_ = 0, height_ = 0;
     std::int64_t samples_ = 0;
-    AlignedArray<double> color_sum_, color_sum_squares_;
+    AlignedArray<double> color_sum_, color_sum_squares_, block_begin_;
     AlignedArray<float> features_;
 };
 

@@ -1,14 +1,18 @@
-// The stages of a path, once for every lane type: start → advance → candidate → scatter, and the background where a
-// camera segment leaves. Estimates interface "Radiometry": single scattering from the first collision along the camera
-// ray,
+// The stages of a path, once for every lane type: start → advance → candidate → (collide → aim, light_stages.h), and
+// the background where a camera segment leaves. Estimates interface "Radiometry": single scattering from the first
+// collision along the camera ray,
 //
 //   L = ∫ T σt ρ [ ∫ (1/4π) V L_env dω ] dt + T(∞) L_env,
 //
-// by delta tracking for the collision (Woodcock 1965) and ratio tracking for V (Novák et al. 2014).
-// No stage loops or returns by lane; each takes a mask and returns masks. Schedules belong to the backends.
-// Bias: none. No step size, no cap on iterations.
+// by tentative collisions (Woodcock 1965): along camera rays their ratios give an estimate of T (ratio tracking, Novák
+// et al. 2014), and a collision is where 1 − T passes a number that is drawn once a ray. On average that is delta
+// tracking to the last bit of its distribution, since the chance of ending at a tentative collision is the mean fall of
+// T there; but being one number it can be stratified over a pixel's samples, and several of them spread over the
+// opacity of one ray share its cost. Along shadow rays ratio tracking gives V. No stage loops or returns by lane; each
+// takes a mask and returns masks. Schedules belong to the backends. Bias: none. No step size, no cap on iterations.
 #pragma once
 
+#include "lumisweep/render/path_numbers.h"
 #include "lumisweep/render/path_state.h"
 #include "lumisweep/render/scene_view.h"
 
@@ -16,9 +20,6 @@ namespace lumisweep {
 
 /// Below this transmittance shadow segments play Russian roulette.
 inline constexpr float roulette_threshold = 0.1F;
-
-/// Event numbers of random3(): 0 is the pixel and the lens, 1 the lens and the first free flight, then one per event.
-inline constexpr int first_event_dimension = 2;
 
 namespace stage {
 
@@ -33,6 +34,14 @@ template <class F>
 LUMISWEEP_HD F exponential(const F& u)
 {
     return F(0.0F) - log(F(1.0F) - u);
+}
+
+/// Where a path stands, in voxels.
+template <class F>
+LUMISWEEP_HD Vec3<F> position_of(const PathState<F>& path)
+{
+    return {fma(path.direction.x, path.t, path.origin.x), fma(path.direction.y, path.t, path.origin.y),
+            fma(path.direction.z, path.t, path.origin.z)};
 }
 
 template <class F>
@@ -102,14 +111,15 @@ LUMISWEEP_HD Vec3<F> background_radiance(const SceneView& scene, const PathState
 /// start: the camera ray of a pixel, clipped to the volume's box. Fills `path` for all lanes; returns which lanes meet
 /// the box.
 template <class F>
-LUMISWEEP_HD mask_of<F> start(const SceneView& scene, const PassKey& pass, const int_of<F>& pixel_x,
+LUMISWEEP_HD mask_of<F> start(const SceneView& scene, const PassNumbers& pass, const int_of<F>& pixel_x,
                               const int_of<F>& pixel_y, PathState<F>& path)
 {
     using I = int_of<F>;
     path.pixel = pixel_x + pixel_y * I(scene.camera.width);
-    path.key = path_key<F>(path.pixel, pass.k0, pass.k1);
-    const Random3<F> u = random3(path.key, I(0)), v = random3(path.key, I(1));
-    const Ray<F> ray = camera_ray(scene.camera, to_float(pixel_x) + u.a, to_float(pixel_y) + u.b, u.c, v.a);
+    path.key = path_key<F>(path.pixel, pass.sample.k0, pass.sample.k1);
+    const Random3<F> u = numbers(scene, pass, path, I(pass.index), NumberUse::pixel_and_depth);
+    const Random3<F> v = numbers(scene, pass, path, I(pass.index), NumberUse::lens_and_flight);
+    const Ray<F> ray = camera_ray(scene.camera, to_float(pixel_x) + u.a, to_float(pixel_y) + u.b, v.a, v.b);
 
     const Vec3<F> d = scene.voxel_from_world.apply(ray.direction);
     path.direction = {nonzero(d.x), nonzero(d.y), nonzero(d.z)};
@@ -130,9 +140,9 @@ LUMISWEEP_HD mask_of<F> start(const SceneView& scene, const PassKey& pass, const
     path.origin = {inside(o.x, path.direction.x, scene.size.x), inside(o.y, path.direction.y, scene.size.y),
                    inside(o.z, path.direction.z, scene.size.z)};
     path.t = F(0.0F);
-    path.optical_depth = exponential(v.b);
+    path.optical_depth = exponential(v.c);
     path.transmittance = F(1.0F);
-    path.weight = {enter, F(0.0F), F(0.0F)};
+    path.weight = {enter, F(1.0F) - u.c, F(1.0F)};
     path.cell = cell_at(scene, path.origin);
     path.segment = I(camera_segment);
     path.dimension = I(first_event_dimension);
@@ -187,82 +197,49 @@ LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, P
     return {candidate, left};
 }
 
+/// How many of a camera ray's k collisions lie before the place where its transmittance has fallen to T: those with
+/// (n + u) / k < 1 − T, n = 0 … k − 1. `rest` is 1 − u, in (0, 1].
+template <class F>
+LUMISWEEP_HD int_of<F> collisions_before(const F& transmittance, const F& rest, int k)
+{
+    using I = int_of<F>;
+    // ⌈k (1 − T) − u⌉, without losing small T and small 1 − u to rounding.
+    const F beyond = F(0.0F) - floor(fma(transmittance, F(static_cast<float>(k)), F(0.0F) - rest));
+    return max(I(k - 1) + to_int(beyond), I(0));
+}
+
 template <class F>
 struct Judged {
-    mask_of<F> scattered; ///< camera segment: a real collision
-    mask_of<F> ended;     ///< shadow segment: roulette or an opaque voxel ended it
+    mask_of<F> collided; ///< camera segment: at least one collision is here
+    mask_of<F> ended;    ///< camera segment: it was the last. shadow segment: roulette or an opaque voxel ended it
 };
 
-/// candidate: looks the extinction up at a tentative collision. Camera segments collide really with probability σt /
-/// majorant (delta tracking); shadow segments multiply by 1 − σt / majorant (ratio tracking). Draws the next free
+/// candidate: looks the extinction up at a tentative collision and multiplies the transmittance by 1 − σt / majorant
+/// (ratio tracking). Camera segments collide where it passes their numbers, shadow segments go on. Draws the next free
 /// flight.
 template <class F, class Voxel>
 LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const GridView<Voxel>& grid, const mask_of<F>& on,
                                  PathState<F>& path)
 {
     using I = int_of<F>;
-    const Vec3<F> p_voxel = {fma(path.direction.x, path.t, path.origin.x), fma(path.direction.y, path.t, path.origin.y),
-                             fma(path.direction.z, path.t, path.origin.z)};
-    const F ratio = extinction_at(scene.transfer_function, trilinear(grid, p_voxel)) / majorant_at<F>(scene, path.cell);
+    const F ratio =
+        extinction_at(scene.transfer_function, trilinear(grid, position_of(path))) / majorant_at<F>(scene, path.cell);
     const Random3<F> u = random3(path.key, path.dimension);
     const mask_of<F> is_shadow = on & (path.segment == I(shadow_segment));
-    const mask_of<F> scattered = on & !is_shadow & (u.a < ratio);
+    const mask_of<F> is_camera = on & !is_shadow;
 
     const F after = path.transmittance * max(F(1.0F) - ratio, F(0.0F));
     const mask_of<F> low = after < F(roulette_threshold);
     const mask_of<F> dies = low & !(u.a * F(roulette_threshold) < after);
-    path.transmittance = select(is_shadow, select(low, F(roulette_threshold), after), path.transmittance);
+    const I before = collisions_before(path.transmittance, path.collision_rest(), scene.shadow_rays);
+    const I now = collisions_before(after, path.collision_rest(), scene.shadow_rays);
+    path.weight.z = select(is_camera, path.transmittance, path.weight.z);
+    path.transmittance = select(is_shadow & low, F(roulette_threshold), select(on, after, path.transmittance));
     path.optical_depth = select(on, exponential(u.b), path.optical_depth);
     path.dimension = select(on, path.dimension + I(1), path.dimension);
-    const mask_of<F> ended = is_shadow & dies;
-    return {scattered, ended};
-}
-
-/// What the first collision tells the film.
-template <class F>
-struct Features {
-    Vec3<F> albedo;
-    Vec3<F> normal; ///< unit, world, against the gradient of extinction; 0 where there is none
-    F depth;        ///< from the lens, world units
-};
-
-/// scatter: at a real collision, chooses the direction towards the light and turns the path into its shadow segment.
-/// Returns the lanes whose light is not zero.
-template <class F, class Voxel>
-LUMISWEEP_HD mask_of<F> scatter(const SceneView& scene, const GridView<Voxel>& grid, const mask_of<F>& on,
-                                PathState<F>& path, Features<F>& features)
-{
-    using I = int_of<F>;
-    const F zero = F(0.0F);
-    const Vec3<F> p_voxel = {fma(path.direction.x, path.t, path.origin.x), fma(path.direction.y, path.t, path.origin.y),
-                             fma(path.direction.z, path.t, path.origin.z)};
-    const ValueAndGradient<F> local = trilinear_gradient(grid, p_voxel);
-    const MaterialSample<F> material = material_at(scene.transfer_function, local.value);
-
-    // ∇_world f = (∂p_voxel / ∂p_world)ᵀ ∇_voxel f; extinction falls along the normal.
-    const Vec3<F> gradient = scene.voxel_from_world.apply_transposed(local.gradient);
-    const F length2 = dot(gradient, gradient);
-    const F rise = material.extinction_slope * F(scene.transfer_function.slope);
-    const F outwards = select(rise < zero, F(1.0F), F(-1.0F));
-    const F scale = select(length2 > zero, outwards / sqrt(max(length2, F(1e-37F))), zero);
-    features.albedo = material.albedo;
-    features.normal = gradient * scale;
-    features.depth = path.weight.x + path.t;
-
-    const DirectionSample<F> light = sample_direction(scene.directions, p_voxel, random3(path.key, path.dimension));
-    const Random3<F> flight = random3(path.key, path.dimension + I(1));
-    const Vec3<F> radiance = texel_radiance<F>(scene.directions.environment, light.texel);
-    // ρ · (1/4π) · L / pdf_omega with pdf_omega = pdf_uv / 4π.
-    path.weight = material.albedo * radiance * (F(1.0F) / light.pdf_uv);
-    const Vec3<F> d = scene.voxel_from_world.apply(direction_from_oct(light.uv_oct));
-    path.direction = {nonzero(d.x), nonzero(d.y), nonzero(d.z)};
-    path.origin = p_voxel;
-    path.t = zero;
-    path.transmittance = F(1.0F);
-    path.optical_depth = exponential(flight.a);
-    path.segment = I(shadow_segment);
-    path.dimension = path.dimension + I(2);
-    return on & (max(max(path.weight.x, path.weight.y), path.weight.z) > zero);
+    const mask_of<F> collided = is_camera & (before < now), spent = is_camera & (I(scene.shadow_rays - 1) < now);
+    const mask_of<F> ended = (is_shadow & dies) | spent;
+    return {collided, ended};
 }
 
 } // namespace stage

@@ -17,13 +17,18 @@ struct PathState {
     Vec3<F> origin, direction;
     F t;
     F optical_depth;   ///< left until the next tentative collision
-    F transmittance;   ///< shadow: ratio tracking's estimate so far. camera: unused (1)
-    Vec3<F> weight;    ///< shadow: ρ L / (4π pdf). camera: x holds the distance from the lens to the segment's start
+    F transmittance;   ///< ratio tracking's estimate so far
+    Vec3<F> weight;    ///< shadow: ρ L / (4π pdf k). camera: see below
     int_of<F> cell;    ///< majorant cell: x in bits 0 to 10, y in 11 to 21, z in 22 to 31
     int_of<F> pixel;   ///< index in the image
     int_of<F> segment; ///< 0 camera, 1 shadow
     int_of<F> dimension;
     RandomKey<F> key;
+
+    // Camera segments have no weight and keep in its place:
+    LUMISWEEP_HD const F& lens_to_box() const { return weight.x; }    ///< distance from the lens to the segment's start
+    LUMISWEEP_HD const F& collision_rest() const { return weight.y; } ///< in (0, 1]; see collisions_before()
+    LUMISWEEP_HD const F& transmittance_before() const { return weight.z; } ///< before the last tentative collision
 
     /// Calls f on every field, for structure-of-arrays storage; all are 4 bytes a lane.
     template <class Function>

@@ -34,6 +34,9 @@ struct Linear3f {
 
 enum class BackgroundLight { shown, hidden };
 
+/// How a pixel's samples are drawn (RenderSettings, resolved).
+enum class Draws { independent, stratified };
+
 struct SceneView {
     VoxelType voxel_type = VoxelType::u8;
     const void* voxels = nullptr; ///< [size.z][size.y][size.x], see volume/grid_view.h
@@ -44,6 +47,8 @@ struct SceneView {
     DirectionSamplingView directions;
     CameraView camera;
     BackgroundLight background = BackgroundLight::shown;
+    Draws draws = Draws::independent;
+    int shadow_rays = 1; ///< collisions a camera ray
     std::uint64_t seed = 0;
 };
 

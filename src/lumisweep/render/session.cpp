@@ -72,8 +72,10 @@ void Session::set_image(const ImageSettings& image)
 
 void Session::set_render(const RenderSettings& render)
 {
-    state_->stale_joint = state_->stale_joint || render.strategy != state_->input.render.strategy;
+    render.validate();
+    const Strategy before = state_->strategy();
     state_->input.render = render;
+    state_->stale_joint = state_->stale_joint || state_->strategy() != before;
     state_->film.clear();
 }
 

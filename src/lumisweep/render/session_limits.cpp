@@ -30,6 +30,7 @@ void validate(const SessionInput& input)
     require(input.environment != nullptr, "environment: is missing");
     input.camera.validate();
     input.image.validate();
+    input.render.validate();
     input.visibility.validate();
     validate_extinction(*input.volume, input.transfer_function);
     const std::size_t cells = count(VisibilityGrid::cells_of(input.volume->size(), input.visibility.cell));

@@ -20,7 +20,9 @@ Linear3f linear(const Affine3d& a) { return {to_float(a.column[0]), to_float(a.c
 Strategy Session::State::strategy() const
 {
     // A black environment has no luminance to sample by; every strategy gives black, so the simplest will do.
-    return input.environment->mean_luminance() > 0.0 ? input.render.strategy : Strategy::uniform;
+    if (!(input.environment->mean_luminance() > 0.0))
+        return Strategy::uniform;
+    return input.render.strategy == Strategy::automatic ? Strategy::two_step : input.render.strategy;
 }
 
 bool Session::State::needs_joint() const
@@ -68,7 +70,10 @@ SceneView Session::State::view() const
     view.directions.joint = joint.view();
     view.camera = camera_view(input.camera, input.image, volume);
     view.background = input.image.show_environment ? BackgroundLight::shown : BackgroundLight::hidden;
-    view.seed = input.render.seed;
+    const RenderSettings render = input.render.resolved();
+    view.draws = render.random_numbers == RandomNumbers::stratified ? Draws::stratified : Draws::independent;
+    view.shadow_rays = render.shadow_rays;
+    view.seed = render.seed;
     return view;
 }
 

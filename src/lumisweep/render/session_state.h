@@ -41,6 +41,7 @@ struct Session::State {
     double joint_build_s = 0.0, since_build_s = 0.0; // of the last build, and rendering since then
     BackgroundTask background;                       // last: it uses the others
 
+    /// Whose density directions are drawn from: one of the papers' five.
     Strategy strategy() const;
     bool needs_joint() const;
 

@@ -52,4 +52,21 @@ void ImageSettings::validate() const
     require(height >= 1 && height <= max_side, "image.height: {} is not between 1 and {}", height, max_side);
 }
 
+void RenderSettings::validate() const
+{
+    require(shadow_rays >= 0 && shadow_rays <= most_shadow_rays,
+            "render.shadow_rays: {} is not 1 to {}, nor 0 for \"auto\"", shadow_rays, most_shadow_rays);
+}
+
+RenderSettings RenderSettings::resolved() const
+{
+    RenderSettings all = *this;
+    const bool ours = strategy == Strategy::automatic;
+    if (random_numbers == RandomNumbers::automatic)
+        all.random_numbers = ours ? RandomNumbers::stratified : RandomNumbers::independent;
+    if (shadow_rays == 0)
+        all.shadow_rays = ours ? automatic_shadow_rays : 1;
+    return all;
+}
+
 } // namespace lumisweep

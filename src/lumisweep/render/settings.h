@@ -33,9 +33,26 @@ struct ImageSettings {
     void validate() const;
 };
 
+/// How the random numbers of a pixel's samples relate: drawn independently, or spread evenly over pixel, lens, depth
+/// and direction (math/stratified.h), 16 samples at a time. The mean is the same.
+enum class RandomNumbers { automatic, independent, stratified };
+
 struct RenderSettings {
-    Strategy strategy = Strategy::two_step;
+    Strategy strategy = Strategy::automatic;
     std::uint64_t seed = 0;
+    /// Automatic: stratified with Strategy::automatic; independent, as in the papers, with the papers' strategies.
+    RandomNumbers random_numbers = RandomNumbers::automatic;
+    /// Collisions that are drawn along each camera ray, evenly spread over its opacity, each with a shadow ray; 1 … 64.
+    /// 0 is automatic: automatic_shadow_rays with Strategy::automatic, 1 with the papers' strategies.
+    int shadow_rays = 0;
+
+    /// Throws Error naming the entry that is out of range.
+    void validate() const;
+    /// With what automatic settings stand for filled in.
+    RenderSettings resolved() const;
 };
+
+inline constexpr int most_shadow_rays = 64;
+inline constexpr int automatic_shadow_rays = 4;
 
 } // namespace lumisweep

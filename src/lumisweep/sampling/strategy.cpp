@@ -10,6 +10,7 @@ const char* name_of(Strategy strategy)
     case Strategy::visibility: return "visibility";
     case Strategy::combined: return "combined";
     case Strategy::two_step: return "two-step";
+    case Strategy::automatic: return "auto";
     }
     return "unknown";
 }

@@ -3,10 +3,12 @@
 
 namespace lumisweep {
 
-/// Journal paper, section 10: uniform over the sphere; by the environment's luminance; by the visibility grid; by the
-/// product at the grid's own resolution; by the product, then by the environment below the chosen direction. All have
-/// the same mean.
-enum class Strategy { uniform, environment, visibility, combined, two_step };
+/// The papers' five (journal paper, section 10): uniform over the sphere; by the environment's luminance; by the
+/// visibility grid; by the product at the grid's own resolution; by the product, then by the environment below the
+/// chosen direction. Automatic is what leaves the least noise for the time, whatever its parts
+/// (docs/results/efficiency.md): two-step's density with stratified numbers and several collisions a camera ray
+/// (render/settings.h). All have the same mean.
+enum class Strategy { uniform, environment, visibility, combined, two_step, automatic };
 
 /// "two-step" and so on, as on the command line.
 const char* name_of(Strategy strategy);

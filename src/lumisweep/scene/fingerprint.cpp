@@ -62,6 +62,7 @@ std::uint64_t hash_of(const VisibilitySettings& visibility)
 
 Fingerprint fingerprint_of(const SessionInput& input, const std::string& isa, const std::string& program_version)
 {
+    const RenderSettings render = input.render.resolved();
     return {
         {"program version", program_version},
         {"instruction set", isa},
@@ -72,6 +73,8 @@ Fingerprint fingerprint_of(const SessionInput& input, const std::string& isa, co
         {"image size", fmt::format("{} x {}", input.image.width, input.image.height)},
         {"show_environment", input.image.show_environment ? "true" : "false"},
         {"strategy", name_of(input.render.strategy)},
+        {"random_numbers", render.random_numbers == RandomNumbers::stratified ? "stratified" : "independent"},
+        {"shadow_rays", std::to_string(render.shadow_rays)},
         {"seed", std::to_string(input.render.seed)},
         {"visibility settings", hex(hash_of(input.visibility))},
     };

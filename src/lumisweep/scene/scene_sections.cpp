@@ -58,6 +58,19 @@ std::vector<TransferPoint> read_points(const ordered_json& value, const JsonPlac
     return points;
 }
 
+/// From 1 to `most`; "auto" is 0.
+void read_whole_or_auto(const ObjectReader& reader, const char* key, int& number, int most)
+{
+    const ordered_json* value = reader.find(key);
+    if (value == nullptr)
+        return;
+    number = 0;
+    if (*value == "auto")
+        return;
+    require(value->is_number(), "{}: must be \"auto\" or a whole number", reader.place(key).text());
+    number = static_cast<int>(read_whole(*value, reader.place(key), 1, static_cast<std::uint64_t>(most)));
+}
+
 } // namespace
 
 VolumeDescription read_volume(const ordered_json& value, const JsonPlace& place,
@@ -158,7 +171,8 @@ ImageSettings read_image(const ordered_json& value, const JsonPlace& place)
 
 void read_render(const ordered_json& value, const JsonPlace& place, RenderSettings& render, StopCriterion& stop)
 {
-    const ObjectReader reader(value, place, {"strategy", "samples", "time", "noise", "seed"});
+    const ObjectReader reader(value, place,
+                              {"strategy", "samples", "time", "noise", "seed", "random_numbers", "shadow_rays"});
     reader.at_most_one({"samples", "time", "noise"});
     if (const auto strategy = reader.choice("strategy", strategy_names))
         render.strategy = static_cast<Strategy>(*strategy);
@@ -171,6 +185,9 @@ void read_render(const ordered_json& value, const JsonPlace& place, RenderSettin
         stop = StopNoise{read_number(*noise, reader.place("noise"), positive)};
     if (const ordered_json* seed = reader.find("seed"))
         render.seed = read_whole(*seed, reader.place("seed"), 0, std::numeric_limits<std::uint64_t>::max());
+    if (const auto numbers = reader.choice("random_numbers", random_numbers_names))
+        render.random_numbers = static_cast<RandomNumbers>(*numbers);
+    read_whole_or_auto(reader, "shadow_rays", render.shadow_rays, most_shadow_rays);
 }
 
 VisibilitySettings read_visibility(const ordered_json& value, const JsonPlace& place)
@@ -182,10 +199,7 @@ VisibilitySettings read_visibility(const ordered_json& value, const JsonPlace& p
             "{}: {} is no power of two (give 1, 2, 4, 8, 16 or 32)", reader.place("directions").text(),
             visibility.directions);
     reader.whole("cell", visibility.cell, 1, 64);
-    if (const ordered_json* rays = reader.find("rays"); rays != nullptr && *rays != "auto") {
-        require(rays->is_number(), "{}: must be \"auto\" or a whole number", reader.place("rays").text());
-        visibility.rays = static_cast<int>(read_whole(*rays, reader.place("rays"), 1, 8192));
-    }
+    read_whole_or_auto(reader, "rays", visibility.rays, 8192);
     if (const auto filter = reader.choice("filter", filter_names))
         visibility.filter = static_cast<SweepFilter>(*filter);
     reader.whole("oversampling", visibility.oversampling, 1, 16);

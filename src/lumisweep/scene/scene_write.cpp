@@ -60,6 +60,8 @@ ordered_json json_of(const CameraDescription& camera)
     return json;
 }
 
+ordered_json number_or_auto(int number) { return number == 0 ? ordered_json("auto") : ordered_json(number); }
+
 ordered_json json_of(const RenderSettings& render, const StopCriterion& stop)
 {
     ordered_json json = ordered_json::object();
@@ -71,6 +73,8 @@ ordered_json json_of(const RenderSettings& render, const StopCriterion& stop)
     else
         json["noise"] = std::get<StopNoise>(stop).relative_error;
     json["seed"] = render.seed;
+    json["random_numbers"] = std::string(random_numbers_names[static_cast<std::size_t>(render.random_numbers)]);
+    json["shadow_rays"] = number_or_auto(render.shadow_rays);
     return json;
 }
 
@@ -108,7 +112,7 @@ ordered_json json_of(const SceneDescription& scene)
     const VisibilitySettings& visibility = scene.visibility;
     json["visibility"] = {{"directions", visibility.directions},
                           {"cell", visibility.cell},
-                          {"rays", visibility.rays == 0 ? ordered_json("auto") : ordered_json(visibility.rays)},
+                          {"rays", number_or_auto(visibility.rays)},
                           {"filter", std::string(filter_names[static_cast<std::size_t>(visibility.filter)])},
                           {"oversampling", visibility.oversampling},
                           {"epsilon", visibility.epsilon}};

@@ -45,7 +45,7 @@ public:
     PassEnd render_pass(const SceneView& scene, const SampleView& samples, std::int64_t sample,
                         const std::atomic<bool>* cancel, PassCounts& counts) override
     {
-        const PassKey pass = pass_key(scene.seed, static_cast<std::uint64_t>(sample));
+        const PassNumbers pass = pass_numbers(scene.seed, sample);
         const int width = scene.camera.width, height = scene.camera.height;
         // Enough tiles for the threads to share, each enough pixels to keep a stream full.
         const int side = static_cast<std::int64_t>(width) * height >= 256 * 256 ? 64 : 32;

@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "lumisweep/backends/cpu/tile.h"
-#include "lumisweep/render/path_stages.h"
+#include "lumisweep/render/light_stages.h"
 
 namespace lumisweep {
 
@@ -55,8 +55,8 @@ struct PathQueue {
 template <class F, class Voxel>
 class PathStream {
 public:
-    LUMISWEEP_HD PathStream(const SceneView& scene, const SampleView& samples, const PassKey& pass, const Tile& tile,
-                            PassCounts& counts)
+    LUMISWEEP_HD PathStream(const SceneView& scene, const SampleView& samples, const PassNumbers& pass,
+                            const Tile& tile, PassCounts& counts)
         : scene_(scene), grid_(grid_view<Voxel>(scene)), samples_(samples), pass_(pass), tile_(tile), counts_(counts),
           next_x_(tile.x0), next_y_(tile.y0)
     {
@@ -83,7 +83,11 @@ private:
     /// Starts pixels of the tile, row by row, while the stream has room.
     LUMISWEEP_HD void refill()
     {
-        while (next_y_ < tile_.y1 && active_.size + width <= PathQueue<F>::capacity) {
+        // Every camera ray may yet become shadow_rays paths; shadow rays stay one.
+        const int paths_a_camera_ray = scene_.shadow_rays;
+        while (next_y_ < tile_.y1 &&
+               active_.size + camera_rays_ * (paths_a_camera_ray - 1) + width * paths_a_camera_ray <=
+                   PathQueue<F>::capacity) {
             alignas(64) std::int32_t x[width], y[width];
             int n = 0;
             for (; n < width && next_y_ < tile_.y1; ++n) {
@@ -103,6 +107,7 @@ private:
             const M meets = stage::start(scene_, pass_, load<F>(x), load<F>(y), path);
             splat_background(on & !meets, path);
             active_.append(on & meets, path);
+            camera_rays_ += count(on & meets);
         }
     }
 
@@ -113,6 +118,7 @@ private:
         const int size = active_.size;
         active_.size = 0;
         colliding_.size = 0;
+        camera_rays_ = 0;
         for (int at = 0; at < size; at += width) {
             PathState<F> path;
             active_.load_group(at, path);
@@ -128,8 +134,8 @@ private:
             M goes_on = pending;
             if (any(candidates)) {
                 const stage::Judged<F> judged = stage::candidate(scene_, grid_, candidates, path);
-                colliding_.append(judged.scattered, path);
-                goes_on = goes_on | (candidates & !(judged.scattered | judged.ended));
+                colliding_.append(judged.collided, path);
+                goes_on = goes_on | (candidates & !judged.ended);
                 const int shadow = count(candidates & (path.segment == I(shadow_segment)));
                 counts_.shadow_steps += static_cast<std::uint64_t>(shadow);
                 counts_.camera_steps += static_cast<std::uint64_t>(count(candidates) - shadow);
@@ -141,19 +147,31 @@ private:
             }
             // Writing behind the read position: size never passes `at`.
             active_.append(goes_on, path);
+            camera_rays_ += count(goes_on & (path.segment == I(camera_segment)));
         }
     }
 
+    /// Shadow rays for all collisions of the round.
     LUMISWEEP_HD void scatter_all()
     {
         for (int at = 0; at < colliding_.size; at += width) {
             PathState<F> path;
             colliding_.load_group(at, path);
             const M on = first_lanes<F>(colliding_.size - at);
-            stage::Features<F> features;
-            const M lit = stage::scatter(scene_, grid_, on, path, features);
-            splat_features(on, path, features);
-            active_.append(lit, path);
+            const stage::Features<F> features = stage::collide(scene_, grid_, path);
+            const I first =
+                stage::collisions_before(path.transmittance_before(), path.collision_rest(), scene_.shadow_rays);
+            const I end = stage::collisions_before(path.transmittance, path.collision_rest(), scene_.shadow_rays);
+            splat_features(on, path, features,
+                           to_float(end - first) * F(1.0F / static_cast<float>(scene_.shadow_rays)));
+            M due = on;
+            for (I n = first; any(due); n = n + I(1)) {
+                PathState<F> shadow = path;
+                const M lit = stage::aim(scene_, pass_, due, n, features.albedo, shadow);
+                active_.append(lit, shadow);
+                counts_.shadow_rays += static_cast<std::uint64_t>(count(lit));
+                due = due & (n + I(1) < end);
+            }
         }
     }
 
@@ -165,9 +183,9 @@ private:
         for (std::uint32_t left = bits(on); left != 0; left &= left - 1) {
             const int lane = __builtin_ctz(left);
             float* out = samples_.color + static_cast<std::int64_t>(pixel[lane]) * 3;
-            out[0] = r[lane];
-            out[1] = g[lane];
-            out[2] = b[lane];
+            out[0] += r[lane];
+            out[1] += g[lane];
+            out[2] += b[lane];
         }
     }
 
@@ -179,41 +197,48 @@ private:
 
     LUMISWEEP_HD void splat_background(const M& on, const PathState<F>& path)
     {
-        if (scene_.background == BackgroundLight::shown && any(on))
-            splat_color(on, path, stage::background_radiance(scene_, path));
+        if (scene_.background == BackgroundLight::hidden || !any(on))
+            return;
+        // What of the ray's opacity no collision stands for.
+        const I collided = stage::collisions_before(path.transmittance, path.collision_rest(), scene_.shadow_rays);
+        const F part = F(1.0F) - to_float(collided) * F(1.0F / static_cast<float>(scene_.shadow_rays));
+        splat_color(on, path, stage::background_radiance(scene_, path) * part);
     }
 
-    LUMISWEEP_HD void splat_features(const M& on, const PathState<F>& path, const stage::Features<F>& features)
+    /// `part` of the camera ray's sample is what the collision stands for.
+    LUMISWEEP_HD void splat_features(const M& on, const PathState<F>& path, const stage::Features<F>& features,
+                                     const F& part)
     {
-        alignas(64) float value[7][width];
+        alignas(64) float value[8][width];
         alignas(64) std::int32_t pixel[width];
-        store(value[0], features.albedo.x), store(value[1], features.albedo.y), store(value[2], features.albedo.z);
-        store(value[3], features.normal.x), store(value[4], features.normal.y), store(value[5], features.normal.z);
-        store(value[6], features.depth);
+        const Vec3<F> albedo = features.albedo * part, normal = features.normal * part;
+        store(value[0], albedo.x), store(value[1], albedo.y), store(value[2], albedo.z);
+        store(value[3], normal.x), store(value[4], normal.y), store(value[5], normal.z);
+        store(value[6], features.depth * part), store(value[7], part);
         store(pixel, path.pixel);
         for (std::uint32_t left = bits(on); left != 0; left &= left - 1) {
             const int lane = __builtin_ctz(left);
             float* out = samples_.features + static_cast<std::int64_t>(pixel[lane]) * 8;
-            for (int i = 0; i < 7; ++i)
-                out[i] = value[i][lane];
-            out[7] = 1.0F;
+            for (int i = 0; i < 8; ++i)
+                out[i] += value[i][lane];
         }
     }
 
     const SceneView& scene_;
     GridView<Voxel> grid_;
     SampleView samples_;
-    PassKey pass_;
+    PassNumbers pass_;
     Tile tile_;
     PassCounts& counts_;
     int next_x_, next_y_;
+    int camera_rays_ = 0; ///< in active_
     PathQueue<F> active_, colliding_;
 };
 
 /// The tile renderer of a lane type, for any voxel type.
 template <class F>
-LUMISWEEP_HD void render_tile(const SceneView& scene, const SampleView& samples, const PassKey& pass, const Tile& tile,
-                              PassCounts& counts)
+LUMISWEEP_HD void render_tile(const SceneView& scene, const SampleView& samples, const PassNumbers& pass,
+                              const Tile& tile, PassCounts& counts)
 {
     switch (scene.voxel_type) {
     case VoxelType::u8: PathStream<F, std::uint8_t>(scene, samples, pass, tile, counts).run(); break;

@@ -3,7 +3,7 @@
 
 namespace lumisweep {
 
-void render_tile_avx2(const SceneView& scene, const SampleView& samples, const PassKey& pass, const Tile& tile,
+void render_tile_avx2(const SceneView& scene, const SampleView& samples, const PassNumbers& pass, const Tile& tile,
                       PassCounts& counts)
 {
     render_tile<Avx2Float>(scene, samples, pass, tile, counts);

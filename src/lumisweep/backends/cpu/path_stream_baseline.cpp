@@ -3,7 +3,7 @@
 
 namespace lumisweep {
 
-void render_tile_baseline(const SceneView& scene, const SampleView& samples, const PassKey& pass, const Tile& tile,
+void render_tile_baseline(const SceneView& scene, const SampleView& samples, const PassNumbers& pass, const Tile& tile,
                           PassCounts& counts)
 {
     render_tile<float>(scene, samples, pass, tile, counts);

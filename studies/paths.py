@@ -26,7 +26,7 @@ processor time of several passes; 2 threads: wall-clock time.
 **camera** is a pass with albedo 0, so without shadow segments, and uniform directions; **direction** what the default strategy adds to
 that pass; **shadow** the rest; each as a share of the whole. **collided**: the share of paths that do. Steps are tentative collisions a path.
 
-Measured on {processor}, {cores} cores, commit {commit}, {date}, {minutes:.0f} minutes. Regenerate with `studies/paths.py`.
+Measured on {processor}, {cores} cores, commit {commit}, {date}, {minutes:.0f} minutes. {loaded} Regenerate with `studies/paths.py`.
 
 ## Millions of paths a second and core
 
@@ -64,8 +64,10 @@ def report(results):
         shares.append([scene, share(run["collided"]), f"{run['camera_steps']:.1f}", f"{run['shadow_steps']:.1f}",
                        *[share(run[f"{part}_share"]) for part in ("camera", "direction", "shadow")]])
     study = results.study
+    loaded = ("Other work ran on the machine: 2 threads say nothing, and trust ratios more than speeds."
+              if study["load_before"] > 0.5 else "The machine was idle.")
     return TEXT.format(
-        **study, isa=names[0], speeds=markdown_rows(["scene", *names, f"{names[0]}, 2 threads", "ratio"], speeds),
+        **study, loaded=loaded, isa=names[0], speeds=markdown_rows(["scene", *names, f"{names[0]}, 2 threads", "ratio"], speeds),
         shares=markdown_rows(["scene", "collided", "camera steps", "shadow steps", "camera", "direction", "shadow"], shares))
 
 

@@ -139,14 +139,14 @@ class Report:
         colours = ["#888888", "#1f77b4", "#2ca02c", "#9467bd", "#ff7f0e", "#d62728", "#17becf", "#8c564b", "#e377c2", "#bcbd22"]
         low, high, left, width, step, top = -1, 2, 170, 560, 16, 40
         rows = list(self.results.items())
-        height = top + step * len(rows) + 30
+        height = top + step * len(rows) + 44
         x_of = lambda value: left + width * (min(max(math.log10(max(value, 1e-9)), low), high) - low) / (high - low)
         parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{left + width + 30}" height="{height}" '
                  'font-family="sans-serif" font-size="11">', '<rect width="100%" height="100%" fill="white"/>']
         for value in (0.1, 0.2, 0.5, 1, 2, 4, 5, 10, 20, 50, 100):
             x = x_of(value)
-            parts.append(f'<line x1="{x:.1f}" y1="{top}" x2="{x:.1f}" y2="{height - 25}" stroke="{"#999" if value in (1, 4) else "#ddd"}"/>')
-            parts.append(f'<text x="{x:.1f}" y="{height - 10}" text-anchor="middle">{value:g}</text>')
+            parts.append(f'<line x1="{x:.1f}" y1="{top}" x2="{x:.1f}" y2="{height - 39}" stroke="{"#999" if value in (1, 4) else "#ddd"}"/>')
+            parts.append(f'<text x="{x:.1f}" y="{height - 24}" text-anchor="middle">{value:g}</text>')
         for i, name in enumerate(self.names):
             colour = colours[i % len(colours)]
             parts.append(f'<circle cx="{left + 110 * i}" cy="16" r="4" fill="{colour}"/>'
@@ -156,4 +156,6 @@ class Report:
                              f'r="4" fill="{colour}" fill-opacity="0.8"/>')
         for row, (place, _) in enumerate(rows):
             parts.append(f'<text x="{left - 8}" y="{top + step * (row + 0.5) + 4:.1f}" text-anchor="end">{escape(", ".join(place))}</text>')
+        parts.append(f'<text x="{left + width / 2}" y="{height - 6}" text-anchor="middle">efficiency relative to the plain scalar tracker'
+                     f' (what lies beyond the axis is drawn at its end)</text>')
         return "\n".join([*parts, "</svg>"]) + "\n"

@@ -94,6 +94,16 @@ class Measurements:
         return {name: json.loads(path.read_text()) for name, path in kept.items()}
 
 
+def without_paths(arguments):
+    """The options that change what is measured, for the report."""
+    kept, skip = [], False
+    for argument in arguments:
+        if not skip and argument not in ("--program", "--cache", "--output"):
+            kept.append(argument)
+        skip = argument in ("--program", "--cache", "--output")
+    return kept
+
+
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="small volumes and images, three scenes, one light")
@@ -125,7 +135,7 @@ def parse_arguments():
     options.seeds = options.seeds or 2
     options.reference_samples = options.reference_samples or (256 if quick else 512)
     options.output = options.output or ROOT / ("out" if partial else "docs/results")
-    options.command = " ".join(["studies/efficiency.py", *sys.argv[1:]])
+    options.command = " ".join(["studies/efficiency.py", *without_paths(sys.argv[1:])])
     return options
 
 

@@ -35,7 +35,7 @@ differs most from its reference does so by {bias:.1f} standard errors; the heavy
 
 
 def number(value):
-    return f"{value:.2f}" if value < 99.5 else f"{value:.0f}"
+    return f"{value:.2g}" if value < 0.1 else f"{value:.2f}" if value < 99.5 else f"{value:.0f}"
 
 
 def short(value):

@@ -3,7 +3,7 @@
 
 Every scene under every light is rendered on one thread by lumisweep_efficiency, by each strategy and by a plain scalar tracker, and
 compared with a reference. Single runs are kept in out/efficiency, so that an interrupted study goes on where it was; about
-ten minutes on an idle machine.
+twelve minutes on an idle machine.
 
     studies/efficiency.py                                   the study of docs/results/efficiency.md
     studies/efficiency.py --quick                           three scenes, a minute, into out/
@@ -111,7 +111,7 @@ def parse_arguments():
     parser.add_argument("--lights", nargs="+", default=None, help=f"{' '.join(LIGHTS)} {BEHIND}")
     parser.add_argument("--strategies", nargs="+", default=None, help=" ".join(STRATEGIES))
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="scene entry to change for all; repeatable")
-    parser.add_argument("--width", type=int, default=None, help="pixels along each side (128)")
+    parser.add_argument("--width", type=int, default=None, help="pixels along each side (112)")
     parser.add_argument("--samples", type=int, nargs="+", default=None, help="sample counts at which errors are taken (16 64)")
     parser.add_argument("--seeds", type=int, default=None, help="images per strategy (2)")
     parser.add_argument("--reference-samples", type=int, default=None, help="(512)")
@@ -130,7 +130,7 @@ def parse_arguments():
     if unknown:
         parser.error(f"no strategy {', '.join(sorted(unknown))}; there are {', '.join(STRATEGIES)}")
     options.strategies = list(dict.fromkeys(["environment", *(options.strategies or STRATEGIES)]))
-    options.width = options.width or (64 if quick else 128)
+    options.width = options.width or (64 if quick else 112)
     options.samples = sorted(options.samples or ([4, 16] if quick else [16, 64]))
     options.seeds = options.seeds or 2
     options.reference_samples = options.reference_samples or (256 if quick else 512)

@@ -1,4 +1,5 @@
-// lumisweep_bench [--quick] [--data DIR] [Google Benchmark's options]: studies/sweeps.py runs it and writes the report.
+// lumisweep_bench [--quick] [--data DIR] [Google Benchmark's options]: studies/sweeps.py and studies/paths.py run it
+// and write the reports.
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -10,6 +11,7 @@
 #include "brute_force.h"
 #include "lumisweep/base/error.h"
 #include "machine.h"
+#include "paths.h"
 #include "subject.h"
 #include "sweeps.h"
 
@@ -42,6 +44,7 @@ int run(int argc, char** argv)
     bench::Subjects subjects;
     bench::register_machine(quick);
     bench::register_sweeps(subjects, data, quick);
+    bench::register_paths({LUMISWEEP_PROJECT, data}, quick);
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
     return 0;

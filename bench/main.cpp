@@ -1,4 +1,5 @@
-// lumisweep_bench [--quick] [--data DIR] [Google Benchmark's options]: studies/sweeps.py runs it and writes the report.
+// lumisweep_bench [--quick] [--transmittance] [--data DIR] [Google Benchmark's options]: studies/sweeps.py and
+// studies/transmittance.py run it and write the reports.
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -12,19 +13,22 @@
 #include "machine.h"
 #include "subject.h"
 #include "sweeps.h"
+#include "transmittance.h"
 
 namespace {
 
 int run(int argc, char** argv)
 {
     using namespace lumisweep;
-    bool quick = false;
+    bool quick = false, transmittance = false;
     std::filesystem::path data = LUMISWEEP_FETCHED_DATA;
     std::vector<char*> others;
     for (int i = 0; i < argc; ++i) {
         const std::string_view argument = argv[i];
         if (argument == "--quick")
             quick = true;
+        else if (argument == "--transmittance")
+            transmittance = true;
         else if (argument == "--data" && i + 1 < argc)
             data = argv[++i];
         else
@@ -40,8 +44,12 @@ int run(int argc, char** argv)
     benchmark::AddCustomContext("reference_seed", std::to_string(bench::reference_seed));
     benchmark::AddCustomContext("brute_force_seed", std::to_string(bench::brute_force_seed));
     bench::Subjects subjects;
-    bench::register_machine(quick);
-    bench::register_sweeps(subjects, data, quick);
+    if (transmittance) {
+        bench::register_transmittance(data, quick);
+    } else {
+        bench::register_machine(quick);
+        bench::register_sweeps(subjects, data, quick);
+    }
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
     return 0;

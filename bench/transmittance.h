@@ -25,7 +25,7 @@ enum class Control {
     centred,
 };
 
-/// The smallest and the largest extinction per majorant cell. The volume must be finite everywhere.
+/// The smallest and the largest extinction per cell. The volume must be finite everywhere.
 class CellBounds {
 public:
     CellBounds() = default;

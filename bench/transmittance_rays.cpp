@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
-#include "lumisweep/volume/majorant_grid.h"
+#include "lumisweep/base/parallel.h"
 #include "transmittance.h"
 
 namespace lumisweep::bench {
@@ -19,7 +21,40 @@ double min_extinction(const TransferFunction& transfer_function, double low, dou
 }
 
 /// Optical depth across a cell, of its largest less its smallest extinction, below which it counts as thin.
-constexpr double thin_cell = 0.5;
+constexpr double thin_cell = 0.1;
+
+struct Range {
+    double low, high;
+};
+
+/// The values (data units) that interpolation takes within a cell.
+Range values_of_cell(const ScalarGrid& volume, const Vec3i& cells, std::size_t cell)
+{
+    const Vec3i size = volume.size();
+    const auto nx = static_cast<std::size_t>(cells.x), ny = static_cast<std::size_t>(cells.y);
+    // Cell c spans c · bounds_cell − ½ to (c + 1) · bounds_cell − ½.
+    const auto voxels = [](std::size_t c, int n) {
+        const int first = static_cast<int>(c) * bounds_cell - 1;
+        return std::pair{std::clamp(first, 0, n - 1), std::clamp(first + bounds_cell, 0, n - 1)};
+    };
+    const auto [x0, x1] = voxels(cell % nx, size.x);
+    const auto [y0, y1] = voxels(cell / nx % ny, size.y);
+    const auto [z0, z1] = voxels(cell / nx / ny, size.z);
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    visit_voxels(volume, [&, x0 = x0, x1 = x1, y0 = y0, y1 = y1, z0 = z0, z1 = z1](const auto* data) {
+        for (int z = z0; z <= z1; ++z)
+            for (int y = y0; y <= y1; ++y) {
+                const auto* row = data + (static_cast<std::ptrdiff_t>(z) * size.y + y) * size.x;
+                for (int x = x0; x <= x1; ++x) {
+                    low = std::min(low, static_cast<double>(row[x]));
+                    high = std::max(high, static_cast<double>(row[x]));
+                }
+            }
+    });
+    const double a = volume.slope() * low + volume.intercept(), b = volume.slope() * high + volume.intercept();
+    const double slack = 1e-6 * (std::fabs(a) + std::fabs(b) + std::fabs(volume.intercept()));
+    return {std::min(a, b) - slack, std::max(a, b) + slack};
+}
 
 } // namespace
 
@@ -44,26 +79,29 @@ std::span<const TransmittanceKernels> transmittance_kernels()
 
 CellBounds::CellBounds(const ScalarGrid& volume, const TransferFunction& transfer_function)
 {
-    const BoundsGrid bounds(volume);
-    cells_ = bounds.cells();
-    majorant_ = AlignedArray<float>(bounds.size());
+    const Vec3i size = volume.size();
+    const auto cells = [](int n) { return n / bounds_cell + 1; };
+    cells_ = {cells(size.x), cells(size.y), cells(size.z)};
+    const std::size_t count =
+        static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y) * static_cast<std::size_t>(cells_.z);
+    majorant_ = AlignedArray<float>(count);
     for (auto& residual : residual_)
-        residual = AlignedArray<float>(2 * bounds.size());
+        residual = AlignedArray<float>(2 * count);
     // Of a cell along its diagonal, in world units.
     const Affine3d& world_from_voxel = volume.world_from_voxel();
-    const double diagonal = length(world_from_voxel.vector(Vec3d{1.0, 1.0, 1.0} * double{majorant_cell}));
-    constexpr double slack = 1e-5; // lookups in single precision round
-    for (std::size_t cell = 0; cell < bounds.size(); ++cell) {
-        const double low = bounds.low(cell), high = bounds.high(cell);
-        const double largest = transfer_function.max_extinction(low, high) * (1.0 + slack);
-        const double smallest = min_extinction(transfer_function, low, high) * (1.0 - slack);
+    const double diagonal = length(world_from_voxel.vector(Vec3d{1.0, 1.0, 1.0} * double{bounds_cell}));
+    parallel_for(std::size_t{0}, count, [&](std::size_t cell) {
+        const Range data = values_of_cell(volume, cells_, cell);
+        constexpr double slack = 1e-5; // lookups in single precision round
+        const double largest = transfer_function.max_extinction(data.low, data.high) * (1.0 + slack);
+        const double smallest = min_extinction(transfer_function, data.low, data.high) * (1.0 - slack);
         majorant_[cell] = static_cast<float>(largest);
         const double middle = (largest - smallest) * diagonal < thin_cell ? 0.5 * (largest + smallest) : smallest;
         for (const auto& [control, residual] : {std::pair{smallest, &residual_[0]}, std::pair{middle, &residual_[1]}}) {
             (*residual)[2 * cell] = static_cast<float>(largest - control);
             (*residual)[2 * cell + 1] = static_cast<float>(control);
         }
-    }
+    });
 }
 
 ShadowRays::ShadowRays(std::size_t capacity)

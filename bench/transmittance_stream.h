@@ -130,32 +130,39 @@ private:
         }
     }
 
+    struct Cell {
+        I x, y, z;
+    };
+    LUMISWEEP_HD static I pack(const Cell& c) { return c.x | shift_left<11>(c.y) | shift_left<22>(c.z); }
+    LUMISWEEP_HD static Cell unpack(const I& cell)
+    {
+        return {cell & I(2047), shift_right<11>(cell) & I(2047), shift_right<22>(cell)};
+    }
     LUMISWEEP_HD I cell_at(const Vec3<F>& p_voxel) const
     {
         const auto axis = [](const F& p, int n) {
-            return min(max(to_int(p * F(1.0F / majorant_cell)), I(0)), I(n - 1));
+            constexpr float scale = 1.0F / bounds_cell;
+            return min(max(to_int(fma(p, F(scale), F(0.5F * scale))), I(0)), I(n - 1));
         };
         const CellBoundsView& bounds = job_.bounds;
-        return stage::pack_cell<F>(
-            {axis(p_voxel.x, bounds.nx), axis(p_voxel.y, bounds.ny), axis(p_voxel.z, bounds.nz)});
+        return pack({axis(p_voxel.x, bounds.nx), axis(p_voxel.y, bounds.ny), axis(p_voxel.z, bounds.nz)});
     }
-
     LUMISWEEP_HD I cell_index(const I& cell) const
     {
-        const stage::CellXYZ<F> c = stage::unpack_cell<F>(cell);
+        const Cell c = unpack(cell);
         return c.x + (c.y + c.z * I(job_.bounds.ny)) * I(job_.bounds.nx);
     }
 
-    /// Through one cell, to the next lookup if it lies within: stage::advance with the cell's smallest extinction
-    /// beside its largest.
+    /// Through one cell, to the next lookup if it lies within.
     LUMISWEEP_HD stage::Advanced<F> walk(const M& on, PathState<F>& path)
     {
         const SceneView& scene = job_.scene;
-        const stage::CellXYZ<F> cell = stage::unpack_cell<F>(path.cell);
+        const Cell cell = unpack(path.cell);
         const F zero = F(0.0F);
         const auto exit_at = [&](const F& origin, const F& direction, const I& c, int n) {
-            const F edge = to_float(c + select(direction > zero, I(1), I(0))) * F(static_cast<float>(majorant_cell));
-            return (min(edge, F(static_cast<float>(n))) - origin) / direction;
+            const F edge =
+                fma(to_float(c + select(direction > zero, I(1), I(0))), F(static_cast<float>(bounds_cell)), F(-0.5F));
+            return (min(max(edge, zero), F(static_cast<float>(n))) - origin) / direction;
         };
         const F tx = exit_at(path.origin.x, path.direction.x, cell.x, scene.size.x);
         const F ty = exit_at(path.origin.y, path.direction.y, cell.y, scene.size.y);
@@ -190,11 +197,11 @@ private:
         const auto next = [&](const I& c, const F& direction, const M& step) {
             return c + select(step, select(direction > zero, I(1), I(-1)), I(0));
         };
-        const stage::CellXYZ<F> to = {next(cell.x, path.direction.x, step_x), next(cell.y, path.direction.y, step_y),
-                                      next(cell.z, path.direction.z, step_z)};
+        const Cell to = {next(cell.x, path.direction.x, step_x), next(cell.y, path.direction.y, step_y),
+                         next(cell.z, path.direction.z, step_z)};
         const M outside = (to.x < I(0)) | (to.y < I(0)) | (to.z < I(0)) | (to.x > I(job_.bounds.nx - 1)) |
                           (to.y > I(job_.bounds.ny - 1)) | (to.z > I(job_.bounds.nz - 1));
-        path.cell = select(moves & !outside, stage::pack_cell<F>(to), path.cell);
+        path.cell = select(moves & !outside, pack(to), path.cell);
         const M left = moves & outside;
         return {candidate, left};
     }

@@ -23,7 +23,11 @@ enum class Transmittance {
     bounded_march,
 };
 
-/// Extinction bounds per cell of majorant_cell³ voxels, x fastest. Memory: majorant [cells]; residual [cells][2]: the
+/// Voxels per cell of the bounds along each axis. Cells have their sides through voxel centres: interpolation within
+/// one depends on few voxels then.
+inline constexpr int bounds_cell = 2;
+
+/// Extinction bounds per cell, x fastest. Memory: majorant [cells]; residual [cells][2]: the
 /// largest distance from a control extinction upwards, which is at least that downwards, and the control.
 struct CellBoundsView {
     const float* majorant = nullptr;

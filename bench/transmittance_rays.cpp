@@ -10,16 +10,6 @@
 namespace lumisweep::bench {
 namespace {
 
-/// Over values in [low, high]; of a step both sides count.
-double min_extinction(const TransferFunction& transfer_function, double low, double high)
-{
-    double result = std::min(transfer_function.evaluate(low).extinction, transfer_function.evaluate(high).extinction);
-    for (const TransferPoint& p : transfer_function.points())
-        if (p.value >= low && p.value <= high)
-            result = std::min(result, p.extinction * transfer_function.extinction_scale());
-    return result;
-}
-
 /// Optical depth across a cell, of its largest less its smallest extinction, below which it counts as thin.
 constexpr double thin_cell = 0.1;
 
@@ -94,7 +84,7 @@ CellBounds::CellBounds(const ScalarGrid& volume, const TransferFunction& transfe
         const Range data = values_of_cell(volume, cells_, cell);
         constexpr double slack = 1e-5; // lookups in single precision round
         const double largest = transfer_function.max_extinction(data.low, data.high) * (1.0 + slack);
-        const double smallest = min_extinction(transfer_function, data.low, data.high) * (1.0 - slack);
+        const double smallest = transfer_function.min_extinction(data.low, data.high) * (1.0 - slack);
         majorant_[cell] = static_cast<float>(largest);
         const double middle = (largest - smallest) * diagonal < thin_cell ? 0.5 * (largest + smallest) : smallest;
         for (const auto& [control, residual] : {std::pair{smallest, &residual_[0]}, std::pair{middle, &residual_[1]}}) {

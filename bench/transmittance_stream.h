@@ -7,23 +7,6 @@
 
 namespace lumisweep::bench {
 
-/// exp for x in [−87, 87], by Cephes' expf (S. Moshier); smaller x count as −87.
-template <class F>
-LUMISWEEP_HD F exponential_of(const F& x)
-{
-    using I = int_of<F>;
-    const F clamped = min(max(x, F(-87.0F)), F(87.0F));
-    const F n = floor(fma(clamped, F(1.44269504F), F(0.5F)));
-    const F r = fma(n, F(2.12194440e-4F), fma(n, F(-0.693359375F), clamped));
-    F y = F(1.9875691500e-4F);
-    y = fma(y, r, F(1.3981999507e-3F));
-    y = fma(y, r, F(8.3334519073e-3F));
-    y = fma(y, r, F(4.1665795894e-2F));
-    y = fma(y, r, F(1.6666665459e-1F));
-    y = fma(y, r, F(5.0000001201e-1F));
-    return fma(y * r, r, r + F(1.0F)) * as_float(shift_left<23>(to_int(n) + I(127)));
-}
-
 /// Which fields of PathState hold what, besides origin, direction, t, cell, key and dimension:
 ///   all       pixel: the ray; weight.x: the roulette's threshold
 ///   ratio     transmittance: the product so far
@@ -240,7 +223,7 @@ private:
         F after = path.transmittance * factor;
         if (method == Transmittance::residual) {
             if (any(path.weight.y > F(0.0F)))
-                after = after * exponential_of(F(0.0F) - path.weight.y);
+                after = after * exp(F(0.0F) - path.weight.y);
             path.weight.y = select(on, F(0.0F), path.weight.y);
         }
         const M low = after < threshold;
@@ -257,7 +240,7 @@ private:
         } else {
             F result = path.transmittance;
             if (method == Transmittance::residual)
-                result = result * exponential_of(F(0.0F) - path.weight.y);
+                result = result * exp(F(0.0F) - path.weight.y);
             put(left, path.pixel, result);
             return M(false);
         }
@@ -272,8 +255,7 @@ private:
         const M measured = left & (path.segment == I(measuring));
         const F depth = F(0.0F) - path.optical_depth;
         if (method == Transmittance::bounded_march)
-            path.weight.y =
-                select(measured, max(exponential_of(F(0.0F) - path.weight.y), path.weight.x), path.weight.y);
+            path.weight.y = select(measured, max(exp(F(0.0F) - path.weight.y), path.weight.x), path.weight.y);
         else
             path.weight.y = F(1.0F);
         const M empty = measured & (depth <= F(0.0F));
@@ -289,13 +271,13 @@ private:
                     probability *= 2.0F / static_cast<float>(k + 1);
             }
             const F cube = (depth + F(0.015F)) * (depth + F(0.65F)) * (depth + F(60.3F));
-            const F tuple = floor(exponential_of(log(max(cube, F(1e-30F))) * F(1.0F / 3.0F)) + F(1.0F));
+            const F tuple = floor(exp(log(max(cube, F(1e-30F))) * F(1.0F / 3.0F)) + F(1.0F));
             lookups = max(floor(fma(tuple, F(1.0F / 1.31945F), F(0.5F))), F(1.0F));
         }
         const M combed = left & !measured;
         const F x = path.weight.x * path.transmittance;
         const M plain = combed & (path.weight.z < F(0.5F));
-        put(plain, path.pixel, exponential_of(F(0.0F) - x) * path.weight.y);
+        put(plain, path.pixel, exp(F(0.0F) - x) * path.weight.y);
         const M again = (measured & !empty) | expand(combed & !plain, path, x);
 
         path.weight.x = select(measured, depth / lookups, path.weight.x);

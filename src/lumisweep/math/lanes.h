@@ -75,6 +75,8 @@ LUMISWEEP_HD float fma(float a, float b, float c) { return a * b + c; }
 LUMISWEEP_HD double fma(double a, double b, double c) { return a * b + c; }
 /// Natural logarithm of a normal, positive number.
 LUMISWEEP_HD float log(float a) { return std::log(a); }
+/// e^a for a ≤ 88; below −87 whatever is less than 2e-38.
+LUMISWEEP_HD float exp(float a) { return std::exp(a); }
 
 // ---- integers and conversions ---------------------------------------------------------------------------------------
 LUMISWEEP_HD std::int32_t to_int(float a) { return static_cast<std::int32_t>(a); } ///< truncates; must fit
@@ -127,6 +129,24 @@ LUMISWEEP_HD F log_polynomial(const F& a)
     y = fma(e, F(-2.12194440e-4F), y);
     y = fma(m2, F(-0.5F), y);
     return fma(e, F(0.693359375F), m + y);
+}
+
+/// exp for lane types without one: a = n · ln 2 + r with |r| ≤ ½ ln 2, then the polynomial of Cephes' expf (S. Moshier)
+/// in r; error below 2 ulp.
+template <class F>
+LUMISWEEP_HD F exp_polynomial(const F& a)
+{
+    using I = int_of<F>;
+    const F x = max(a, F(-87.0F));
+    const F n = floor(fma(x, F(1.44269504F), F(0.5F)));
+    const F r = fma(n, F(2.12194440e-4F), fma(n, F(-0.693359375F), x));
+    F y = F(1.9875691500e-4F);
+    y = fma(y, r, F(1.3981999507e-3F));
+    y = fma(y, r, F(8.3334519073e-3F));
+    y = fma(y, r, F(4.1665795894e-2F));
+    y = fma(y, r, F(1.6666665459e-1F));
+    y = fma(y, r, F(5.0000001201e-1F));
+    return fma(y * r, r, r + F(1.0F)) * as_float(shift_left<23>(to_int(n) + I(127)));
 }
 
 // ---- memory ---------------------------------------------------------------------------------------------------------

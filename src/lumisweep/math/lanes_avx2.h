@@ -114,6 +114,7 @@ LUMISWEEP_HD Avx2Int shift_right(Avx2Int a)
     return _mm256_srli_epi32(a.v, Shift);
 }
 LUMISWEEP_HD Avx2Float log(Avx2Float a) { return log_polynomial(a); }
+LUMISWEEP_HD Avx2Float exp(Avx2Float a) { return exp_polynomial(a); }
 
 template <>
 LUMISWEEP_HD Avx2Float load<Avx2Float>(const float* p)

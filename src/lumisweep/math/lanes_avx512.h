@@ -119,6 +119,7 @@ LUMISWEEP_HD Avx512Int shift_right(Avx512Int a)
     return _mm512_srli_epi32(a.v, Shift);
 }
 LUMISWEEP_HD Avx512Float log(Avx512Float a) { return log_polynomial(a); }
+LUMISWEEP_HD Avx512Float exp(Avx512Float a) { return exp_polynomial(a); }
 
 template <>
 LUMISWEEP_HD Avx512Float load<Avx512Float>(const float* p)

@@ -139,6 +139,17 @@ double TransferFunction::max_extinction(double low, double high) const
     return result;
 }
 
+double TransferFunction::min_extinction(double low, double high) const
+{
+    if (!(low <= high))
+        return 0.0;
+    double result = std::min(evaluate(low).extinction, evaluate(high).extinction);
+    for (const TransferPoint& point : points_)
+        if (low <= point.value && point.value <= high)
+            result = std::min(result, point.extinction * extinction_scale_);
+    return result;
+}
+
 TransferFunctionView TransferFunction::view(double slope, double intercept) const
 {
     TransferFunctionView view;

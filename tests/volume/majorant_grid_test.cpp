@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <random>
+#include <vector>
 
 #include "lumisweep/volume/grid_view.h"
 #include "lumisweep/volume/majorant_grid.h"
@@ -18,7 +19,13 @@ GridView<T> view_of(const ScalarGrid& grid)
     return {grid.voxels<T>(), n.x, n.y, n.z, n.y > 1 ? n.x : 0, n.z > 1 ? n.x * n.y : 0, n.x > 1 ? 1 : 0};
 }
 
-/// Fills a grid at random, then looks everywhere at random, on cell borders too.
+float majorant_at(const MajorantView& m, int x, int y, int z)
+{
+    const int code = m.codes[(z * m.ny + y) * m.nx + x];
+    return code < first_majorant_code ? 0.0F : majorant_of_code<float>(code, m.largest);
+}
+
+/// Fills a grid at random, then looks everywhere in its cells at random, on their sides, edges and corners too.
 template <class T, class Value>
 void expect_bounded(VoxelType type, Vec3i size, double slope, double intercept, const TransferFunction& tf,
                     Value&& value)
@@ -28,28 +35,29 @@ void expect_bounded(VoxelType type, Vec3i size, double slope, double intercept, 
         grid.voxels<T>()[i] = static_cast<T>(value());
     const MajorantGrid majorants(BoundsGrid(grid), tf);
     const MajorantView m = majorants.view();
-    ASSERT_EQ(m.nx, (size.x + majorant_cell - 1) / majorant_cell);
+    ASSERT_EQ(m.nx, size.x / majorant_cell + 1);
     const TransferFunctionView lookup = tf.view(slope, intercept);
     const GridView<T> voxels = view_of<T>(grid);
     std::mt19937 random(4);
     std::uniform_real_distribution<float> uniform;
     double tightest = 0.0;
     for (int i = 0; i < 40000; ++i) {
-        Vec3f p{uniform(random) * static_cast<float>(size.x), uniform(random) * static_cast<float>(size.y),
-                uniform(random) * static_cast<float>(size.z)};
-        if (i % 4 == 0) // on cell borders and voxel centres: either neighbour's majorant must do
-            p = {std::round(p.x * 2.0F) * 0.5F, std::round(p.y * 2.0F) * 0.5F, std::round(p.z * 2.0F) * 0.5F};
-        const float extinction = extinction_at(lookup, trilinear(voxels, p));
-        ASSERT_GE(extinction, 0.0F);
-        for (const float shift : {-1e-5F, 1e-5F}) {
-            const auto cell = [&](float q, int n) {
-                return std::clamp(static_cast<int>(std::floor((q + shift) / majorant_cell)), 0, n - 1);
-            };
-            const float bound = m.majorant[(cell(p.z, m.nz) * m.ny + cell(p.y, m.ny)) * m.nx + cell(p.x, m.nx)];
-            ASSERT_LE(extinction, bound) << p.x << " " << p.y << " " << p.z;
-            if (bound > 0.0F)
-                tightest = std::max(tightest, double(extinction) / bound);
+        int cell[3];
+        float p[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto n = static_cast<float>(component(size, axis));
+            cell[axis] = static_cast<int>(random() % static_cast<unsigned>(component(Vec3i{m.nx, m.ny, m.nz}, axis)));
+            const float low = static_cast<float>(cell[axis] * majorant_cell) - 0.5F;
+            const unsigned where = random() % 8; // also on the sides: the cells on both must bound those
+            const float t = where == 0 ? 0.0F : where == 1 ? 1.0F : uniform(random);
+            p[axis] = std::clamp(low + t * static_cast<float>(majorant_cell), 0.0F, n);
         }
+        const float extinction = extinction_at(lookup, trilinear(voxels, Vec3f{p[0], p[1], p[2]}));
+        ASSERT_GE(extinction, 0.0F);
+        const float bound = majorant_at(m, cell[0], cell[1], cell[2]);
+        ASSERT_LE(extinction, bound) << p[0] << " " << p[1] << " " << p[2];
+        if (bound > 0.0F)
+            tightest = std::max(tightest, double(extinction) / bound);
     }
     EXPECT_GT(tightest, 0.5); // the bounds are not far above either
 }
@@ -105,10 +113,10 @@ TEST(MajorantGridTest, NotANumberIsEmpty)
     for (std::size_t i = 0; i < grid.voxel_count(); ++i)
         grid.voxels<float>()[i] = nan;
     const BoundsGrid bounds(grid);
-    EXPECT_GT(bounds.low(0), bounds.high(0));
+    EXPECT_GT(bounds.bounds(0).low, bounds.bounds(0).high);
     const MajorantGrid majorants(bounds, TransferFunction({{0.0, 5.0}}));
-    for (int i = 0; i < 27; ++i)
-        EXPECT_EQ(majorants.view().majorant[i], 0.0F);
+    for (std::size_t i = 0; i < bounds.size(); ++i)
+        EXPECT_LT(majorants.view().codes[i], first_majorant_code);
 }
 
 TEST(MajorantGridTest, HugeValuesStayBounded)
@@ -116,6 +124,78 @@ TEST(MajorantGridTest, HugeValuesStayBounded)
     std::mt19937 random(6);
     const TransferFunction tf({{-1.0, 0.5}, {1.0, 2.0}});
     expect_bounded<float>(VoxelType::f32, {9, 9, 9}, 1.0, 0.0, tf, [&] { return random() % 2 == 0 ? 3e38F : -3e38F; });
+}
+
+// Single precision is rounded to 65536 steps: values that lie between steps, and a range that one huge voxel spoils.
+TEST(MajorantGridTest, SinglePrecisionIsRoundedOutwards)
+{
+    std::mt19937 random(31);
+    std::uniform_real_distribution<float> uniform;
+    const TransferFunction tf({{0.2, 0.0}, {0.25, 5.0}, {0.9, 1.0}, {0.9, 3.0}, {0.95, 0.0}});
+    expect_bounded<float>(VoxelType::f32, {13, 9, 11}, 1.0, 0.0, tf, [&] { return uniform(random); });
+    int i = 0;
+    expect_bounded<float>(VoxelType::f32, {13, 9, 11}, 1.0, 0.0, tf,
+                          [&] { return ++i == 700 ? -1e30F : 0.9F + 0.02F * uniform(random); });
+}
+
+// Whatever the bounds, a cell's code is the lowest that is not below the extinction of the voxels it can see.
+TEST(MajorantGridTest, MajorantsAreAsTightAsTheirCodes)
+{
+    const Vec3i size{19, 14, 23};
+    std::mt19937 random(5);
+    ScalarGrid grid(VoxelType::i16, size, Affine3d{}, 1.0, 0.0);
+    for (std::size_t i = 0; i < grid.voxel_count(); ++i)
+        grid.voxels<std::int16_t>()[i] = static_cast<std::int16_t>(static_cast<int>(random() % 1600) - 700);
+    const MajorantGrid majorants(BoundsGrid(grid), steep());
+    const MajorantView m = majorants.view();
+    for (int z = 0; z < m.nz; ++z)
+        for (int y = 0; y < m.ny; ++y)
+            for (int x = 0; x < m.nx; ++x) {
+                int low = 32767, high = -32768;
+                for (int k = std::max(2 * z - 1, 0); k <= std::min(2 * z + 1, size.z - 1); ++k)
+                    for (int j = std::max(2 * y - 1, 0); j <= std::min(2 * y + 1, size.y - 1); ++j)
+                        for (int i = std::max(2 * x - 1, 0); i <= std::min(2 * x + 1, size.x - 1); ++i) {
+                            const int v = grid.voxels<std::int16_t>()[(k * size.y + j) * size.x + i];
+                            low = std::min(low, v), high = std::max(high, v);
+                        }
+                const double exact = steep().max_extinction(low, high), bound = double(majorant_at(m, x, y, z));
+                EXPECT_GE(bound, exact);
+                EXPECT_LE(bound, exact * (1.0 + 1.0 / 16.0) + 1e-3); // sixteen codes an octave, and slack
+            }
+}
+
+// Distances of empty cells against a search: all blocks that are nearer are empty, and one that far is not.
+TEST(MajorantGridTest, EmptySpaceIsMeasuredExactly)
+{
+    std::mt19937 random(77);
+    for (const Vec3i& size : {Vec3i{64, 50, 70}, Vec3i{300, 9, 9}, Vec3i{7, 1, 90}, Vec3i{20, 20, 20}})
+        for (const int voxels : {0, 1, 3, 40}) {
+            ScalarGrid grid(VoxelType::u8, size, Affine3d{});
+            for (int i = 0; i < voxels; ++i)
+                grid.voxels<std::uint8_t>()[random() % grid.voxel_count()] = 200;
+            const MajorantGrid majorants(BoundsGrid(grid), TransferFunction({{100.0, 0.0}, {200.0, 1.0}}));
+            const MajorantView m = majorants.view();
+            const auto code = [&](int x, int y, int z) { return int(m.codes[(z * m.ny + y) * m.nx + x]); };
+            std::vector<Vec3i> occupied; // blocks
+            for (int z = 0; z < m.nz; ++z)
+                for (int y = 0; y < m.ny; ++y)
+                    for (int x = 0; x < m.nx; ++x)
+                        if (code(x, y, z) >= first_majorant_code)
+                            occupied.push_back({x / majorant_block, y / majorant_block, z / majorant_block});
+            ASSERT_EQ(occupied.empty(), voxels == 0);
+            for (int z = 0; z < m.nz; ++z)
+                for (int y = 0; y < m.ny; ++y)
+                    for (int x = 0; x < m.nx; ++x) {
+                        if (code(x, y, z) >= first_majorant_code)
+                            continue;
+                        int nearest = first_majorant_code - 1;
+                        for (const Vec3i& b : occupied)
+                            nearest = std::min(nearest, std::max({std::abs(b.x - x / majorant_block),
+                                                                  std::abs(b.y - y / majorant_block),
+                                                                  std::abs(b.z - z / majorant_block)}));
+                        ASSERT_EQ(code(x, y, z), nearest);
+                    }
+        }
 }
 
 TEST(GridViewTest, TrilinearEqualsTheOracle)

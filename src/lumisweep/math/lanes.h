@@ -64,6 +64,8 @@ LUMISWEEP_HD std::int32_t min(std::int32_t a, std::int32_t b) { return b < a ? b
 LUMISWEEP_HD std::int32_t max(std::int32_t a, std::int32_t b) { return a < b ? b : a; }
 LUMISWEEP_HD float abs(float a) { return std::fabs(a); }
 LUMISWEEP_HD double abs(double a) { return std::fabs(a); }
+/// 1 / a of a normal number whose reciprocal is normal, within 2 ulp.
+LUMISWEEP_HD float reciprocal(float a) { return 1.0F / a; }
 LUMISWEEP_HD float sqrt(float a) { return std::sqrt(a); }
 LUMISWEEP_HD double sqrt(double a) { return std::sqrt(a); }
 LUMISWEEP_HD float floor(float a) { return std::floor(a); }
@@ -100,6 +102,15 @@ template <int Shift>
 LUMISWEEP_HD std::int32_t shift_right(std::int32_t a)
 {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) >> Shift);
+}
+/// By the same number of bits in all lanes, 0 to 31.
+LUMISWEEP_HD std::int32_t shift_left(std::int32_t a, int by)
+{
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) << by);
+}
+LUMISWEEP_HD std::int32_t shift_right(std::int32_t a, int by)
+{
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) >> by);
 }
 
 LUMISWEEP_HD std::int32_t as_int(float a) { return std::bit_cast<std::int32_t>(a); }
@@ -179,6 +190,13 @@ LUMISWEEP_HD void compress_store(std::int32_t* p, bool m, std::int32_t a)
 }
 LUMISWEEP_HD float gather(const float* base, std::int32_t index) { return base[index]; }
 LUMISWEEP_HD std::int32_t gather(const std::int32_t* base, std::int32_t index) { return base[index]; }
+/// Reads up to 3 bytes past base[index].
+LUMISWEEP_HD std::int32_t gather(const std::uint8_t* base, std::int32_t index) { return base[index]; }
+
+/// Entries of a table that gather_small() can hold in registers.
+inline constexpr int small_table = 16;
+/// base[index] of a table of small_table entries.
+LUMISWEEP_HD float gather_small(const float* base, std::int32_t index) { return base[index]; }
 
 /// Two neighbours along x, base[index] and base[index + 1], as floats. Reads at most 4 bytes past base[index + 1].
 template <class F>

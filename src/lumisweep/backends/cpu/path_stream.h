@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "lumisweep/backends/cpu/tile.h"
+#include "lumisweep/math/morton.h"
 #include "lumisweep/render/path_stages.h"
 
 namespace lumisweep {
@@ -58,8 +59,10 @@ public:
     LUMISWEEP_HD PathStream(const SceneView& scene, const SampleView& samples, const PassKey& pass, const Tile& tile,
                             PassCounts& counts)
         : scene_(scene), grid_(grid_view<Voxel>(scene)), samples_(samples), pass_(pass), tile_(tile), counts_(counts),
-          next_x_(tile.x0), next_y_(tile.y0)
+          end_(1)
     {
+        while (end_ < (tile.x1 - tile.x0) * (tile.x1 - tile.x0) || end_ < (tile.y1 - tile.y0) * (tile.y1 - tile.y0))
+            end_ *= 4;
     }
 
     LUMISWEEP_HD void run()
@@ -80,19 +83,17 @@ private:
     using I = int_of<F>;
     using M = mask_of<F>;
 
-    /// Starts pixels of the tile, row by row, while the stream has room.
+    /// Starts pixels of the tile, in Morton order, while the stream has room.
     LUMISWEEP_HD void refill()
     {
-        while (next_y_ < tile_.y1 && active_.size + width <= PathQueue<F>::capacity) {
+        while (next_ < end_ && active_.size + width <= PathQueue<F>::capacity) {
             alignas(64) std::int32_t x[width], y[width];
             int n = 0;
-            for (; n < width && next_y_ < tile_.y1; ++n) {
-                x[n] = next_x_;
-                y[n] = next_y_;
-                if (++next_x_ == tile_.x1) {
-                    next_x_ = tile_.x0;
-                    ++next_y_;
-                }
+            for (; n < width && next_ < end_; ++next_) {
+                const TexelXY<int> at = morton_decode(next_);
+                x[n] = tile_.x0 + at.x;
+                y[n] = tile_.y0 + at.y;
+                n += x[n] < tile_.x1 && y[n] < tile_.y1 ? 1 : 0;
             }
             for (int rest = n; rest < width; ++rest) {
                 x[rest] = tile_.x0;
@@ -118,16 +119,18 @@ private:
             active_.load_group(at, path);
             const M on = first_lanes<F>(size - at);
             M pending = on, candidates = M(false), left = M(false);
+            stage::Walk<F> walk = stage::begin_walk(scene_, path);
             do {
-                const stage::Advanced<F> advanced = stage::advance(scene_, pending, path);
+                const stage::Advanced<F> advanced = stage::advance(scene_, pending, path, walk);
                 candidates = candidates | advanced.candidate;
                 left = left | advanced.left;
                 pending = pending & !(advanced.candidate | advanced.left);
             } while (count(pending) * 4 > width);
+            path.cell = stage::pack_cell<F>(scene_.majorants, walk.cell);
 
             M goes_on = pending;
             if (any(candidates)) {
-                const stage::Judged<F> judged = stage::candidate(scene_, grid_, candidates, path);
+                const stage::Judged<F> judged = stage::candidate(scene_, grid_, candidates, path, walk);
                 colliding_.append(judged.scattered, path);
                 goes_on = goes_on | (candidates & !(judged.scattered | judged.ended));
                 const int shadow = count(candidates & (path.segment == I(shadow_segment)));
@@ -206,7 +209,7 @@ private:
     PassKey pass_;
     Tile tile_;
     PassCounts& counts_;
-    int next_x_, next_y_;
+    int next_ = 0, end_; ///< Morton numbers of pixels: the next to start, and of a square around the tile
     PathQueue<F> active_, colliding_;
 };
 

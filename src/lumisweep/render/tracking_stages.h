@@ -1,0 +1,198 @@
+// The stages that every segment of a path goes through, once for every lane type: advance through majorant cells and
+// empty space, candidate at tentative collisions.
+#pragma once
+
+#include "lumisweep/render/path_state.h"
+#include "lumisweep/render/scene_view.h"
+
+namespace lumisweep {
+
+/// Below this transmittance shadow segments play Russian roulette.
+inline constexpr float roulette_threshold = 0.1F;
+
+namespace stage {
+
+/// Optical depth of a free flight.
+template <class F>
+LUMISWEEP_HD F exponential(const F& u)
+{
+    return F(0.0F) - log(F(1.0F) - u);
+}
+
+template <class F>
+struct CellXYZ {
+    int_of<F> x, y, z;
+};
+
+template <class F>
+LUMISWEEP_HD int_of<F> pack_cell(const MajorantView& majorants, const CellXYZ<F>& c)
+{
+    return c.x | shift_left(c.y, majorants.shift_y) | shift_left(c.z, majorants.shift_z);
+}
+template <class F>
+LUMISWEEP_HD CellXYZ<F> unpack_cell(const MajorantView& majorants, const int_of<F>& cell)
+{
+    using I = int_of<F>;
+    return {cell & I((1 << majorants.shift_y) - 1),
+            shift_right(cell, majorants.shift_y) & I((1 << (majorants.shift_z - majorants.shift_y)) - 1),
+            shift_right(cell, majorants.shift_z)};
+}
+
+/// Directions without exact zeros, so that reciprocals stay finite.
+template <class F>
+LUMISWEEP_HD F nonzero(const F& d)
+{
+    return select(abs(d) < F(1e-20F), copysign(F(1e-20F), d), d);
+}
+
+template <class F>
+LUMISWEEP_HD int_of<F> cell_at(const SceneView& scene, const Vec3<F>& p_voxel)
+{
+    using I = int_of<F>;
+    const auto axis = [](const F& p, int n) {
+        constexpr float scale = 1.0F / majorant_cell;
+        return min(max(to_int(fma(p, F(scale), F(0.5F * scale))), I(0)), I(n - 1));
+    };
+    return pack_cell<F>(scene.majorants, {axis(p_voxel.x, scene.majorants.nx), axis(p_voxel.y, scene.majorants.ny),
+                                          axis(p_voxel.z, scene.majorants.nz)});
+}
+
+/// What advance needs of a path beyond its state, for as long as its segment's cells are walked through. Positions are
+/// in cells: c(t) = origin + t · direction.
+template <class F>
+struct Walk {
+    Vec3<F> origin, direction, inverse;
+    CellXYZ<F> cell;
+    F t_leave;  ///< where the segment leaves the volume
+    F majorant; ///< of the cell
+};
+
+template <class F>
+LUMISWEEP_HD Walk<F> begin_walk(const SceneView& scene, const PathState<F>& path)
+{
+    constexpr float scale = 1.0F / majorant_cell;
+    Walk<F> walk;
+    walk.cell = unpack_cell<F>(scene.majorants, path.cell);
+    walk.majorant = F(0.0F);
+    const auto axis = [&](const F& origin, const F& direction, int n, F& o, F& d, F& inverse) {
+        o = fma(origin, F(scale), F(0.5F * scale));
+        d = direction * F(scale);
+        inverse = reciprocal(d);
+        const F end = select(direction > F(0.0F), F((static_cast<float>(n) + 0.5F) * scale), F(0.5F * scale));
+        return (end - o) * inverse;
+    };
+    const F x = axis(path.origin.x, path.direction.x, scene.size.x, walk.origin.x, walk.direction.x, walk.inverse.x);
+    const F y = axis(path.origin.y, path.direction.y, scene.size.y, walk.origin.y, walk.direction.y, walk.inverse.y);
+    const F z = axis(path.origin.z, path.direction.z, scene.size.z, walk.origin.z, walk.direction.z, walk.inverse.z);
+    walk.t_leave = min(min(x, y), z);
+    return walk;
+}
+
+template <class F>
+struct Advanced {
+    mask_of<F> candidate; ///< the flight ends within the cell
+    mask_of<F> left;      ///< has left the volume
+};
+
+/// advance: to the end of a majorant cell, or of the empty blocks around it, unless the flight ends before. Of a flight
+/// that does, candidate() finds the end.
+template <class F>
+LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, PathState<F>& path, Walk<F>& walk)
+{
+    using I = int_of<F>;
+    const F zero = F(0.0F);
+    const CellXYZ<F>& cell = walk.cell;
+    const I code =
+        gather(scene.majorants.codes, cell.x + (cell.y + cell.z * I(scene.majorants.ny)) * I(scene.majorants.nx));
+    const mask_of<F> empty = code < I(first_majorant_code);
+    const F majorant = select(empty, zero, majorant_of_code<F>(code, scene.majorants.largest));
+    walk.majorant = select(on, majorant, walk.majorant);
+
+    // The box to cross reaches from `below` cells under its base to `above` cells over it.
+    const mask_of<F> blocks = empty & (code > I(0));
+    const I base_mask = select(blocks, I(-majorant_block), I(-1));
+    const I reach = shift_left<2>(code);
+    const I above = select(blocks, reach, I(1)), below = select(blocks, reach - I(majorant_block), I(0));
+
+    struct Side {
+        I base, edge;
+        F t;
+    };
+    const auto side = [&](const I& c, const F& origin, const F& direction, const F& inverse) {
+        Side s;
+        s.base = c & base_mask;
+        s.edge = select(direction > zero, s.base + above, s.base - below);
+        s.t = (to_float(s.edge) - origin) * inverse;
+        return s;
+    };
+    const Side x = side(cell.x, walk.origin.x, walk.direction.x, walk.inverse.x);
+    const Side y = side(cell.y, walk.origin.y, walk.direction.y, walk.inverse.y);
+    const Side z = side(cell.z, walk.origin.z, walk.direction.z, walk.inverse.z);
+    const F t_side = max(min(min(x.t, y.t), z.t), path.t), t_exit = min(t_side, walk.t_leave);
+
+    const F depth = majorant * (t_exit - path.t);
+    const mask_of<F> hit = path.optical_depth < depth;
+    const mask_of<F> candidate = on & hit, moves = on & !hit;
+    const mask_of<F> left = moves & (t_side >= walk.t_leave), enters = moves & !left;
+    path.t = select(moves, t_exit, path.t);
+    path.optical_depth = select(moves, path.optical_depth - depth, path.optical_depth);
+
+    // Across the nearest side into the neighbour, exactly; ties go to x, then y. Along the other axes the position says
+    // where, but rounding must not leave the box.
+    const mask_of<F> over_x = (x.t <= y.t) & (x.t <= z.t);
+    const mask_of<F> over_y = (!over_x) & (y.t <= z.t);
+    const mask_of<F> over_z = !(over_x | over_y);
+    const auto next = [&](I& c, const Side& s, const F& origin, const F& direction, const mask_of<F>& over) {
+        const I across = s.edge - select(direction > zero, I(0), I(1));
+        const I along = min(max(to_int(fma(direction, t_exit, origin)), s.base - below), s.base + above - I(1));
+        c = select(enters, select(over, across, along), c);
+    };
+    next(walk.cell.x, x, walk.origin.x, walk.direction.x, over_x);
+    next(walk.cell.y, y, walk.origin.y, walk.direction.y, over_y);
+    next(walk.cell.z, z, walk.origin.z, walk.direction.z, over_z);
+    return {candidate, left};
+}
+
+template <class F>
+struct Judged {
+    mask_of<F> scattered; ///< camera segment: a real collision
+    mask_of<F> ended;     ///< shadow segment: roulette or an opaque voxel ended it
+};
+
+/// candidate: looks the extinction up at a tentative collision. Camera segments collide really with probability σt /
+/// majorant (delta tracking); shadow segments multiply by 1 − σt / majorant (ratio tracking). Draws the next free
+/// flight.
+template <class F, class Voxel>
+LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const GridView<Voxel>& grid, const mask_of<F>& on,
+                                 PathState<F>& path, const Walk<F>& walk)
+{
+    using I = int_of<F>;
+    const F inverse_majorant = reciprocal(select(on, walk.majorant, F(1.0F)));
+    path.t = select(on, fma(path.optical_depth, inverse_majorant, path.t), path.t);
+    // The majorant bounds the extinction of its cell only, which rounding must not leave.
+    const auto within = [&](const F& origin, const F& direction, const I& cell) {
+        const F low = fma(to_float(cell), F(static_cast<float>(majorant_cell)), F(-0.5F));
+        const F p = fma(direction, path.t, origin);
+        return min(max(p, low), low + F(static_cast<float>(majorant_cell)));
+    };
+    const Vec3<F> p_voxel = {within(path.origin.x, path.direction.x, walk.cell.x),
+                             within(path.origin.y, path.direction.y, walk.cell.y),
+                             within(path.origin.z, path.direction.z, walk.cell.z)};
+    const F ratio = extinction_at(scene.transfer_function, trilinear(grid, p_voxel)) * inverse_majorant;
+    const Random3<F> u = random3(path.key, path.dimension);
+    const mask_of<F> is_shadow = on & (path.segment == I(shadow_segment));
+    const mask_of<F> scattered = on & !is_shadow & (u.a < ratio);
+
+    const F after = path.transmittance * max(F(1.0F) - ratio, F(0.0F));
+    const mask_of<F> low = after < F(roulette_threshold);
+    const mask_of<F> dies = low & !(u.a * F(roulette_threshold) < after);
+    path.transmittance = select(is_shadow, select(low, F(roulette_threshold), after), path.transmittance);
+    path.optical_depth = select(on, exponential(u.b), path.optical_depth);
+    path.dimension = select(on, path.dimension + I(1), path.dimension);
+    const mask_of<F> ended = is_shadow & dies;
+    return {scattered, ended};
+}
+
+} // namespace stage
+
+} // namespace lumisweep

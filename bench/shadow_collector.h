@@ -62,14 +62,16 @@ private:
             PathState<F> path;
             active_.load_group(at, path);
             M pending = first_lanes<F>(size - at), candidates = M(false);
+            stage::Walk<F> walk = stage::begin_walk(job_.scene, path);
             do {
-                const stage::Advanced<F> advanced = stage::advance(job_.scene, pending, path);
+                const stage::Advanced<F> advanced = stage::advance(job_.scene, pending, path, walk);
                 candidates = candidates | advanced.candidate;
                 pending = pending & !(advanced.candidate | advanced.left);
             } while (count(pending) * 4 > width);
+            path.cell = stage::pack_cell<F>(job_.scene.majorants, walk.cell);
             M goes_on = pending;
             if (any(candidates)) {
-                const stage::Judged<F> judged = stage::candidate(job_.scene, grid_, candidates, path);
+                const stage::Judged<F> judged = stage::candidate(job_.scene, grid_, candidates, path, walk);
                 colliding_.append(judged.scattered, path);
                 goes_on = goes_on | (candidates & !judged.scattered);
             }

@@ -164,6 +164,43 @@ TEST(MajorantGridTest, MajorantsAreAsTightAsTheirCodes)
             }
 }
 
+// Thin media have lower bounds, too: nowhere above the extinction that kernels find, and not far below everywhere.
+TEST(MajorantGridTest, ThinMediaHaveLowerBounds)
+{
+    std::mt19937 random(15);
+    std::uniform_real_distribution<float> uniform;
+    const Vec3i size{13, 9, 22};
+    for (const TransferFunction& tf :
+         {TransferFunction({{0.0, 0.1}, {0.5, 0.4}, {0.5, 0.3}, {1.0, 1.0}}), TransferFunction({{0.0, 0.7}})}) {
+        ScalarGrid grid(VoxelType::f32, size, Affine3d{});
+        for (std::size_t i = 0; i < grid.voxel_count(); ++i)
+            grid.voxels<float>()[i] = uniform(random);
+        const BoundsGrid bounds(grid);
+        // Opaque as long as nothing else is said, and beyond the limit.
+        EXPECT_EQ(MajorantGrid(bounds, tf).view().smallest, nullptr);
+        EXPECT_EQ(MajorantGrid(bounds, tf, 2000.0).view().smallest, nullptr);
+        const MajorantGrid majorants(bounds, tf, 25.0);
+        const MajorantView m = majorants.view();
+        ASSERT_NE(m.smallest, nullptr);
+        const TransferFunctionView lookup = tf.view(1.0, 0.0);
+        const GridView<float> voxels = view_of<float>(grid);
+        double tightest = 0.0;
+        for (int i = 0; i < 100000; ++i) {
+            const Vec3f p{uniform(random) * 13.0F, uniform(random) * 9.0F, uniform(random) * 22.0F};
+            const auto cell = [](float q) { return static_cast<int>((q + 0.5F) / majorant_cell); };
+            const int index = (cell(p.z) * m.ny + cell(p.y)) * m.nx + cell(p.x);
+            const float bound = static_cast<float>(m.smallest[index]) * m.largest / 256.0F;
+            const float extinction = extinction_at(lookup, trilinear(voxels, p));
+            ASSERT_LE(bound, extinction);
+            ASSERT_LT(bound, majorant_at(m, cell(p.x), cell(p.y), cell(p.z)));
+            tightest = std::max(tightest, double(bound) / extinction);
+        }
+        EXPECT_GT(tightest, 0.95);
+        grid.voxels<float>()[77] = std::numeric_limits<float>::quiet_NaN();
+        EXPECT_EQ(MajorantGrid(BoundsGrid(grid), tf, 25.0).view().smallest, nullptr);
+    }
+}
+
 // Distances of empty cells against a search: all blocks that are nearer are empty, and one that far is not.
 TEST(MajorantGridTest, EmptySpaceIsMeasuredExactly)
 {

@@ -8,7 +8,7 @@
 namespace lumisweep {
 
 /// Below this transmittance shadow segments play Russian roulette.
-inline constexpr float roulette_threshold = 0.1F;
+inline constexpr float roulette_threshold = 0.25F;
 
 namespace stage {
 
@@ -64,7 +64,8 @@ struct Walk {
     Vec3<F> origin, direction, inverse;
     CellXYZ<F> cell;
     F t_leave;  ///< where the segment leaves the volume
-    F majorant; ///< of the cell
+    F majorant; ///< of the cell, less the control
+    F control;  ///< extinction in the cell that transmittance has in closed form
 };
 
 template <class F>
@@ -73,7 +74,7 @@ LUMISWEEP_HD Walk<F> begin_walk(const SceneView& scene, const PathState<F>& path
     constexpr float scale = 1.0F / majorant_cell;
     Walk<F> walk;
     walk.cell = unpack_cell<F>(scene.majorants, path.cell);
-    walk.majorant = F(0.0F);
+    walk.majorant = walk.control = F(0.0F);
     const auto axis = [&](const F& origin, const F& direction, int n, F& o, F& d, F& inverse) {
         o = fma(origin, F(scale), F(0.5F * scale));
         d = direction * F(scale);
@@ -94,6 +95,16 @@ struct Advanced {
     mask_of<F> left;      ///< has left the volume
 };
 
+/// Residual ratio tracking in thin media (Novák et al. 2014): of a cell's extinction the control is taken in closed
+/// form and only what differs from it is looked up. Half-way between the cell's bounds the control halves the lookups
+/// and the variance that they bring, against the lower bound as control; a lookup's factor then lies in [0, 2].
+template <class F>
+LUMISWEEP_HD F control_of_cell(const MajorantView& majorants, const int_of<F>& index, const F& majorant)
+{
+    const F smallest = to_float(gather(majorants.smallest, index)) * F(majorants.largest * 0x1p-8F);
+    return (majorant + smallest) * F(0.5F);
+}
+
 /// advance: to the end of a majorant cell, or of the empty blocks around it, unless the flight ends before. Of a flight
 /// that does, candidate() finds the end.
 template <class F>
@@ -102,10 +113,16 @@ LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, P
     using I = int_of<F>;
     const F zero = F(0.0F);
     const CellXYZ<F>& cell = walk.cell;
-    const I code =
-        gather(scene.majorants.codes, cell.x + (cell.y + cell.z * I(scene.majorants.ny)) * I(scene.majorants.nx));
+    const I index = cell.x + (cell.y + cell.z * I(scene.majorants.ny)) * I(scene.majorants.nx);
+    const I code = gather(scene.majorants.codes, index);
     const mask_of<F> empty = code < I(first_majorant_code);
-    const F majorant = select(empty, zero, majorant_of_code<F>(code, scene.majorants.largest));
+    F majorant = select(empty, zero, majorant_of_code<F>(code, scene.majorants.largest));
+    if (scene.majorants.smallest != nullptr) {
+        const mask_of<F> is_shadow = path.segment == I(shadow_segment);
+        const F control = select(is_shadow, control_of_cell<F>(scene.majorants, index, majorant), zero);
+        walk.control = select(on, control, walk.control);
+        majorant = majorant - control;
+    }
     walk.majorant = select(on, majorant, walk.majorant);
 
     // The box to cross reaches from `below` cells under its base to `above` cells over it.
@@ -134,6 +151,9 @@ LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, P
     const mask_of<F> hit = path.optical_depth < depth;
     const mask_of<F> candidate = on & hit, moves = on & !hit;
     const mask_of<F> left = moves & (t_side >= walk.t_leave), enters = moves & !left;
+    if (scene.majorants.smallest != nullptr)
+        path.transmittance =
+            select(moves, path.transmittance * exp(walk.control * (path.t - t_exit)), path.transmittance);
     path.t = select(moves, t_exit, path.t);
     path.optical_depth = select(moves, path.optical_depth - depth, path.optical_depth);
 
@@ -160,14 +180,18 @@ struct Judged {
 };
 
 /// candidate: looks the extinction up at a tentative collision. Camera segments collide really with probability σt /
-/// majorant (delta tracking); shadow segments multiply by 1 − σt / majorant (ratio tracking). Draws the next free
-/// flight.
+/// majorant (delta tracking); shadow segments multiply by 1 − σt / majorant (ratio tracking), both less the control in
+/// thin media. Draws the next free flight.
 template <class F, class Voxel>
 LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const GridView<Voxel>& grid, const mask_of<F>& on,
                                  PathState<F>& path, const Walk<F>& walk)
 {
     using I = int_of<F>;
     const F inverse_majorant = reciprocal(select(on, walk.majorant, F(1.0F)));
+    if (scene.majorants.smallest != nullptr)
+        path.transmittance =
+            select(on, path.transmittance * exp(F(0.0F) - walk.control * path.optical_depth * inverse_majorant),
+                   path.transmittance);
     path.t = select(on, fma(path.optical_depth, inverse_majorant, path.t), path.t);
     // The majorant bounds the extinction of its cell only, which rounding must not leave.
     const auto within = [&](const F& origin, const F& direction, const I& cell) {
@@ -178,7 +202,8 @@ LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const GridView<Voxel>& 
     const Vec3<F> p_voxel = {within(path.origin.x, path.direction.x, walk.cell.x),
                              within(path.origin.y, path.direction.y, walk.cell.y),
                              within(path.origin.z, path.direction.z, walk.cell.z)};
-    const F ratio = extinction_at(scene.transfer_function, trilinear(grid, p_voxel)) * inverse_majorant;
+    const F extinction = extinction_at(scene.transfer_function, trilinear(grid, p_voxel));
+    const F ratio = (extinction - walk.control) * inverse_majorant;
     const Random3<F> u = random3(path.key, path.dimension);
     const mask_of<F> is_shadow = on & (path.segment == I(shadow_segment));
     const mask_of<F> scattered = on & !is_shadow & (u.a < ratio);

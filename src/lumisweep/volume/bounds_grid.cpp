@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -104,6 +105,7 @@ void BoundsGrid::fill(const Vec3i& size, const Voxel* voxels)
         }
     };
     std::mutex mutex;
+    std::atomic<bool> gaps = false;
     parallel_for(0, cells_.z, [&](int cz) {
         Extremes<Voxel> along_z(slice), along_y(nx);
         along_z.clear();
@@ -111,6 +113,9 @@ void BoundsGrid::fill(const Vec3i& size, const Voxel* voxels)
         for (int z = rz.begin; z < rz.end; ++z) {
             const Voxel* from = voxels + static_cast<std::size_t>(z) * slice;
             along_z.take(from, from, slice, 0);
+            if constexpr (std::is_floating_point_v<Voxel>)
+                if (!std::all_of(from, from + slice, [](Voxel v) { return std::isfinite(v); }))
+                    gaps = true;
         }
         Bounds least{1, 0};
         for (int cy = 0; cy < cells_.y; ++cy) {
@@ -143,6 +148,7 @@ void BoundsGrid::fill(const Vec3i& size, const Voxel* voxels)
                          ? least
                          : Bounds{std::min(range_.low, least.low), std::max(range_.high, least.high)};
     });
+    has_gaps_ = gaps;
 }
 
 } // namespace lumisweep

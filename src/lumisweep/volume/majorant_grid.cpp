@@ -1,6 +1,7 @@
 #include "lumisweep/volume/majorant_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -31,25 +32,52 @@ Vec3i blocks_of(const Vec3i& cells)
 
 } // namespace
 
-MajorantGrid::MajorantGrid(const BoundsGrid& bounds, const TransferFunction& transfer_function)
+MajorantGrid::MajorantGrid(const BoundsGrid& bounds, const TransferFunction& transfer_function, double diagonal_world)
     : cells_(bounds.cells()), blocks_(blocks_of(cells_)), codes_(bounds.size(), Contents::uninitialised),
       distance_(count(blocks_))
 {
     fill(bounds, transfer_function);
+    if (!bounds.has_gaps() && mean_majorant() * diagonal_world <= thin_medium) {
+        const SmallestExtinctionCodes extinction(bounds, transfer_function, largest_);
+        smallest_ = AlignedArray<std::uint8_t>(bounds.size(), Contents::uninitialised);
+        parallel_for(
+            std::size_t{0}, bounds.size(),
+            [&](std::size_t cell) { smallest_[cell] = extinction.smallest_code(bounds.bounds(cell)); }, 1024);
+    }
     measure_empty_space();
+}
+
+double MajorantGrid::mean_majorant() const
+{
+    // Rows are counted one by one, so that the sum does not depend on threads.
+    std::vector<std::array<std::uint32_t, 256>> counts(static_cast<std::size_t>(cells_.z));
+    const std::size_t slice = static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y);
+    parallel_for(std::size_t{0}, counts.size(), [&](std::size_t z) {
+        for (std::size_t i = z * slice; i < (z + 1) * slice; ++i)
+            ++counts[z][codes_[i]];
+    });
+    double sum = 0.0, filled = 0.0;
+    for (int code = first_majorant_code; code <= last_majorant_code; ++code)
+        for (const auto& of_slice : counts) {
+            const double n = of_slice[static_cast<std::size_t>(code)];
+            sum += n * static_cast<double>(majorant_of_code<float>(code, largest_));
+            filled += n;
+        }
+    return filled > 0.0 ? sum / filled : 0.0;
 }
 
 std::uint64_t MajorantGrid::bytes_needed(const Vec3i& volume_size)
 {
     const Vec3i cells = majorant_cells(volume_size);
-    return count(cells) + count(blocks_of(cells));
+    return 2 * count(cells) + count(blocks_of(cells));
 }
 
 MajorantView MajorantGrid::view() const
 {
     // Sides of n voxels take floor(log2 n) bits, so volumes of less than 2³¹ voxels fit.
     const auto bits = [](int n) { return static_cast<int>(std::bit_width(static_cast<unsigned>(n - 1))); };
-    return {codes_.data(), cells_.x, cells_.y, cells_.z, bits(cells_.x), bits(cells_.x) + bits(cells_.y), largest_};
+    return {codes_.data(), cells_.x,        cells_.y, cells_.z, bits(cells_.x), bits(cells_.x) + bits(cells_.y),
+            largest_,      smallest_.data()};
 }
 
 /// Codes of all cells, and the blocks that hold anything.

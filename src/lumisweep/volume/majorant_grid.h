@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "lumisweep/base/aligned.h"
 #include "lumisweep/math/lanes.h"
@@ -41,6 +42,8 @@ public:
     Bounds bounds(std::size_t cell) const { return bounds_[cell]; }
     /// The smallest low and the largest high.
     Bounds range() const { return range_; }
+    /// Some voxel is not finite, so extinction may be 0 within the bounds of any cell.
+    bool has_gaps() const { return has_gaps_; }
     /// Data units of a bound, or between two.
     double value(double bound) const { return slope_ * (first_ + step_ * bound) + intercept_; }
     /// How far interpolation in single precision may leave the range from `low` to `high` (data units) by rounding.
@@ -55,6 +58,7 @@ private:
     Vec3i cells_{0, 0, 0};
     AlignedArray<Bounds> bounds_;
     Bounds range_{1, 0};
+    bool has_gaps_ = false;
     double first_ = 0.0, step_ = 1.0; // raw = first + step · bound
     double slope_ = 1.0, intercept_ = 0.0;
 };
@@ -66,7 +70,14 @@ struct MajorantView {
     int nx = 0, ny = 0, nz = 0;
     int shift_y = 0, shift_z = 0; ///< of cell coordinates packed into 32 bits
     float largest = 0.0F;         ///< majorant of the highest code, 1/world unit
+    /// In thin media, else null, [nz][ny][nx]: smallest · largest / 256 is at most the extinction anywhere in the cell.
+    const std::uint8_t* smallest = nullptr;
 };
+
+/// Optical depth along the volume's diagonal, at the mean majorant of the cells that are not empty, up to which a
+/// medium is thin: transmittance is then estimated by residual ratio tracking. In others that brings nothing
+/// (docs/results/transmittance.md).
+inline constexpr double thin_medium = 32.0;
 
 inline constexpr int first_majorant_code = 32;
 inline constexpr int last_majorant_code = 255;
@@ -79,24 +90,29 @@ LUMISWEEP_HD F majorant_of_code(const int_of<F>& code, float largest)
     return as_float(shift_left<19>(code) + I(0x3f800000 - (last_majorant_code << 19))) * F(largest);
 }
 
-/// A strict upper bound of extinction within each cell, and where there is none.
+/// A strict upper bound of extinction within each cell, and where there is none; in thin media a lower bound as well.
 class MajorantGrid {
 public:
     MajorantGrid() = default;
-    MajorantGrid(const BoundsGrid& bounds, const TransferFunction& transfer_function);
+    /// `diagonal_world` is the length of the volume's diagonal; infinity where the medium shall not count as thin.
+    MajorantGrid(const BoundsGrid& bounds, const TransferFunction& transfer_function,
+                 double diagonal_world = std::numeric_limits<double>::infinity());
 
     MajorantView view() const;
-    std::size_t bytes() const { return codes_.bytes(); }
+    std::size_t bytes() const { return codes_.bytes() + smallest_.bytes(); }
     static std::uint64_t bytes_needed(const Vec3i& volume_size);
 
 private:
     static constexpr std::uint8_t farthest = first_majorant_code - 1;
 
     void fill(const BoundsGrid& bounds, const TransferFunction& transfer_function);
+    /// Of the cells that are not empty.
+    double mean_majorant() const;
     void measure_empty_space();
 
     Vec3i cells_{0, 0, 0}, blocks_{0, 0, 0};
     AlignedArray<std::uint8_t> codes_;
+    AlignedArray<std::uint8_t> smallest_; // empty unless the medium is thin
     AlignedArray<std::uint8_t> distance_; // of blocks, to the nearest that is not empty
     float largest_ = 0.0F;
 };

@@ -18,7 +18,7 @@ constexpr float smallest_largest = 1e-30F;
 ExtinctionCodes::ExtinctionCodes(const BoundsGrid& bounds, const TransferFunction& transfer_function)
 {
     const BoundsGrid::Bounds range = bounds.range();
-    if (range.low > range.high)
+    if (range.empty())
         return;
     lowest_ = range.low;
     entries_ = 2 * static_cast<std::size_t>(range.high - range.low) + 1;

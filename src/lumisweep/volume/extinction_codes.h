@@ -23,7 +23,7 @@ public:
     /// A code whose majorant bounds the extinction of all values within `bounds`; 0 where that is 0.
     std::uint8_t largest_code(const BoundsGrid::Bounds& bounds) const
     {
-        if (bounds.low > bounds.high)
+        if (bounds.empty())
             return 0;
         const unsigned first = 2U * (bounds.low - lowest_), span = 2U * (bounds.high - bounds.low) + 1U;
         const int level = std::bit_width(span) - 1;

@@ -68,7 +68,7 @@ private:
                 candidates = candidates | advanced.candidate;
                 pending = pending & !(advanced.candidate | advanced.left);
             } while (count(pending) * 4 > width);
-            path.cell = stage::pack_cell<F>(job_.scene.majorants, walk.cell);
+            path.cell = pack_cell<F>(job_.scene.majorants, walk.cell);
             M goes_on = pending;
             if (any(candidates)) {
                 const stage::Judged<F> judged = stage::candidate(job_.scene, grid_, candidates, path, walk);

@@ -34,8 +34,9 @@ struct Scene {
             return std::clamp(static_cast<int>((p + 0.5) / majorant_cell), 0, n - 1);
         };
         const MajorantView& m = view.majorants;
-        const int code = m.codes[(cell(p_voxel.z, m.nz) * m.ny + cell(p_voxel.y, m.ny)) * m.nx + cell(p_voxel.x, m.nx)];
-        return code < first_majorant_code ? 0.0 : double(majorant_of_code<float>(code, m.largest));
+        return double(
+            majorant_at<float>(m, {cell(p_voxel.x, m.size.x), cell(p_voxel.y, m.size.y), cell(p_voxel.z, m.size.z)})
+                .value);
     }
 
     struct Exit {

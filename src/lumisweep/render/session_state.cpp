@@ -82,10 +82,7 @@ void Session::State::update_majorants()
     }
     if (stale_majorants) {
         const Stopwatch watch(stats.majorants_s);
-        const Vec3i& size = input.volume->size();
-        const Vec3d diagonal = input.volume->world_from_voxel().vector(
-            {static_cast<double>(size.x), static_cast<double>(size.y), static_cast<double>(size.z)});
-        majorants = MajorantGrid(bounds, input.transfer_function, length(diagonal));
+        majorants = MajorantGrid(bounds, input.transfer_function);
         stats.majorant_bytes = majorants.bytes() + bounds.bytes();
         stale_majorants = false;
     }

@@ -19,25 +19,6 @@ LUMISWEEP_HD F exponential(const F& u)
     return F(0.0F) - log(F(1.0F) - u);
 }
 
-template <class F>
-struct CellXYZ {
-    int_of<F> x, y, z;
-};
-
-template <class F>
-LUMISWEEP_HD int_of<F> pack_cell(const MajorantView& majorants, const CellXYZ<F>& c)
-{
-    return c.x | shift_left(c.y, majorants.shift_y) | shift_left(c.z, majorants.shift_z);
-}
-template <class F>
-LUMISWEEP_HD CellXYZ<F> unpack_cell(const MajorantView& majorants, const int_of<F>& cell)
-{
-    using I = int_of<F>;
-    return {cell & I((1 << majorants.shift_y) - 1),
-            shift_right(cell, majorants.shift_y) & I((1 << (majorants.shift_z - majorants.shift_y)) - 1),
-            shift_right(cell, majorants.shift_z)};
-}
-
 /// Directions without exact zeros, so that reciprocals stay finite.
 template <class F>
 LUMISWEEP_HD F nonzero(const F& d)
@@ -48,13 +29,7 @@ LUMISWEEP_HD F nonzero(const F& d)
 template <class F>
 LUMISWEEP_HD int_of<F> cell_at(const SceneView& scene, const Vec3<F>& p_voxel)
 {
-    using I = int_of<F>;
-    const auto axis = [](const F& p, int n) {
-        constexpr float scale = 1.0F / majorant_cell;
-        return min(max(to_int(fma(p, F(scale), F(0.5F * scale))), I(0)), I(n - 1));
-    };
-    return pack_cell<F>(scene.majorants, {axis(p_voxel.x, scene.majorants.nx), axis(p_voxel.y, scene.majorants.ny),
-                                          axis(p_voxel.z, scene.majorants.nz)});
+    return pack_cell<F>(scene.majorants, lumisweep::cell_at(scene.majorants, p_voxel));
 }
 
 /// What advance needs of a path beyond its state, for as long as its segment's cells are walked through. Positions are
@@ -63,9 +38,10 @@ template <class F>
 struct Walk {
     Vec3<F> origin, direction, inverse;
     CellXYZ<F> cell;
-    F t_leave;  ///< where the segment leaves the volume
-    F majorant; ///< of the cell, less the control
-    F control;  ///< extinction in the cell that transmittance has in closed form
+    F t_leave;           ///< where the segment leaves the volume
+    F majorant;          ///< of the cell, less the control
+    F control;           ///< extinction in the cell that transmittance has in closed form
+    mask_of<F> in_block; ///< it holds in the cell's whole block
 };
 
 template <class F>
@@ -75,6 +51,7 @@ LUMISWEEP_HD Walk<F> begin_walk(const SceneView& scene, const PathState<F>& path
     Walk<F> walk;
     walk.cell = unpack_cell<F>(scene.majorants, path.cell);
     walk.majorant = walk.control = F(0.0F);
+    walk.in_block = mask_of<F>(false);
     const auto axis = [&](const F& origin, const F& direction, int n, F& o, F& d, F& inverse) {
         o = fma(origin, F(scale), F(0.5F * scale));
         d = direction * F(scale);
@@ -95,14 +72,15 @@ struct Advanced {
     mask_of<F> left;      ///< has left the volume
 };
 
-/// Residual ratio tracking in thin media (Novák et al. 2014): of a cell's extinction the control is taken in closed
-/// form and only what differs from it is looked up. Half-way between the cell's bounds the control halves the lookups
+/// Residual ratio tracking in thin media (Novák et al. 2014): of the extinction in a block, the control is taken in
+/// closed form and only what differs from it is looked up. Half-way between the block's bounds it halves the lookups
 /// and the variance that they bring, against the lower bound as control; a lookup's factor then lies in [0, 2].
 template <class F>
-LUMISWEEP_HD F control_of_cell(const MajorantView& majorants, const int_of<F>& index, const F& majorant)
+LUMISWEEP_HD F control_at(const MajorantView& majorants, const CellXYZ<F>& cell, const Majorant<F>& majorant)
 {
-    const F smallest = to_float(gather(majorants.smallest, index)) * F(majorants.largest * 0x1p-8F);
-    return (majorant + smallest) * F(0.5F);
+    const F smallest =
+        to_float(gather(majorants.smallest, block_of_cell(majorants, cell))) * F(majorants.largest * 0x1p-8F);
+    return select(majorant.in_block, (majorant.value + smallest) * F(0.5F), F(0.0F));
 }
 
 /// advance: to the end of a majorant cell, or of the empty blocks around it, unless the flight ends before. Of a flight
@@ -112,24 +90,22 @@ LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, P
 {
     using I = int_of<F>;
     const F zero = F(0.0F);
-    const CellXYZ<F>& cell = walk.cell;
-    const I index = cell.x + (cell.y + cell.z * I(scene.majorants.ny)) * I(scene.majorants.nx);
-    const I code = gather(scene.majorants.codes, index);
-    const mask_of<F> empty = code < I(first_majorant_code);
-    F majorant = select(empty, zero, majorant_of_code<F>(code, scene.majorants.largest));
+    const Majorant<F> majorant = majorant_at<F>(scene.majorants, walk.cell);
+    F residual = majorant.value;
     if (scene.majorants.smallest != nullptr) {
-        const mask_of<F> is_shadow = path.segment == I(shadow_segment);
-        const F control = select(is_shadow, control_of_cell<F>(scene.majorants, index, majorant), zero);
+        const F control =
+            select(path.segment == I(shadow_segment), control_at(scene.majorants, walk.cell, majorant), zero);
         walk.control = select(on, control, walk.control);
-        majorant = majorant - control;
+        residual = residual - control;
     }
-    walk.majorant = select(on, majorant, walk.majorant);
+    walk.majorant = select(on, residual, walk.majorant);
+    walk.in_block = (on & majorant.in_block) | (walk.in_block & !on);
 
     // The box to cross reaches from `below` cells under its base to `above` cells over it.
-    const mask_of<F> blocks = empty & (code > I(0));
-    const I base_mask = select(blocks, I(-majorant_block), I(-1));
-    const I reach = shift_left<2>(code);
-    const I above = select(blocks, reach, I(1)), below = select(blocks, reach - I(majorant_block), I(0));
+    const I base_mask = select(majorant.in_block, I(-majorant_block), I(-1));
+    const I reach = shift_left<2>(majorant.distance);
+    const I above = select(majorant.in_block, reach, I(1));
+    const I below = select(majorant.in_block, reach - I(majorant_block), I(0));
 
     struct Side {
         I base, edge;
@@ -142,12 +118,12 @@ LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, P
         s.t = (to_float(s.edge) - origin) * inverse;
         return s;
     };
-    const Side x = side(cell.x, walk.origin.x, walk.direction.x, walk.inverse.x);
-    const Side y = side(cell.y, walk.origin.y, walk.direction.y, walk.inverse.y);
-    const Side z = side(cell.z, walk.origin.z, walk.direction.z, walk.inverse.z);
+    const Side x = side(walk.cell.x, walk.origin.x, walk.direction.x, walk.inverse.x);
+    const Side y = side(walk.cell.y, walk.origin.y, walk.direction.y, walk.inverse.y);
+    const Side z = side(walk.cell.z, walk.origin.z, walk.direction.z, walk.inverse.z);
     const F t_side = max(min(min(x.t, y.t), z.t), path.t), t_exit = min(t_side, walk.t_leave);
 
-    const F depth = majorant * (t_exit - path.t);
+    const F depth = residual * (t_exit - path.t);
     const mask_of<F> hit = path.optical_depth < depth;
     const mask_of<F> candidate = on & hit, moves = on & !hit;
     const mask_of<F> left = moves & (t_side >= walk.t_leave), enters = moves & !left;
@@ -193,11 +169,14 @@ LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const GridView<Voxel>& 
             select(on, path.transmittance * exp(F(0.0F) - walk.control * path.optical_depth * inverse_majorant),
                    path.transmittance);
     path.t = select(on, fma(path.optical_depth, inverse_majorant, path.t), path.t);
-    // The majorant bounds the extinction of its cell only, which rounding must not leave.
+    // The majorant bounds the extinction of its cell or block only, which rounding must not leave.
+    const I base_mask = select(walk.in_block, I(-majorant_block), I(-1));
+    const F side = select(walk.in_block, F(static_cast<float>(majorant_cell * majorant_block)),
+                          F(static_cast<float>(majorant_cell)));
     const auto within = [&](const F& origin, const F& direction, const I& cell) {
-        const F low = fma(to_float(cell), F(static_cast<float>(majorant_cell)), F(-0.5F));
+        const F low = fma(to_float(cell & base_mask), F(static_cast<float>(majorant_cell)), F(-0.5F));
         const F p = fma(direction, path.t, origin);
-        return min(max(p, low), low + F(static_cast<float>(majorant_cell)));
+        return min(max(p, low), low + side);
     };
     const Vec3<F> p_voxel = {within(path.origin.x, path.direction.x, walk.cell.x),
                              within(path.origin.y, path.direction.y, walk.cell.y),

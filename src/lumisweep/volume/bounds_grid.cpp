@@ -25,11 +25,11 @@ struct Extremes {
         std::fill(low.begin(), low.end(), Limits::has_infinity ? Limits::infinity() : Limits::max());
         std::fill(high.begin(), high.end(), Limits::has_infinity ? -Limits::infinity() : Limits::lowest());
     }
-    /// Entry at + i takes part in low[i], high[i]. Comparisons are false for NaN, which leaves it out.
-    void take(const Voxel* from_low, const Voxel* from_high, std::size_t n, std::size_t at)
+    /// Comparisons are false for NaN, which leaves it out.
+    void take(const Voxel* from_low, const Voxel* from_high, std::size_t n)
     {
-        Voxel* l = low.data() + at;
-        Voxel* h = high.data() + at;
+        Voxel* l = low.data();
+        Voxel* h = high.data();
         for (std::size_t i = 0; i < n; ++i) {
             l[i] = from_low[i] < l[i] ? from_low[i] : l[i];
             h[i] = from_high[i] > h[i] ? from_high[i] : h[i];
@@ -49,13 +49,26 @@ Range voxels_of_cell(int c, int n)
 
 } // namespace
 
-BoundsGrid::BoundsGrid(const ScalarGrid& volume)
-    : cells_(majorant_cells(volume.size())),
-      bounds_(static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y) *
-                  static_cast<std::size_t>(cells_.z),
-              Contents::uninitialised),
-      slope_(volume.slope()), intercept_(volume.intercept())
+void BoundsGrid::Bounds::include(const Bounds& other)
 {
+    if (other.empty())
+        return;
+    *this = empty() ? other : Bounds{std::min(low, other.low), std::max(high, other.high)};
+}
+
+BoundsGrid::BoundsGrid(const ScalarGrid& volume)
+    : volume_size_(volume.size()), slope_(volume.slope()), intercept_(volume.intercept())
+{
+    const Vec3i blocks = majorant_blocks(volume_size_);
+    blocks_ = AlignedArray<Bounds>(static_cast<std::size_t>(blocks.x) * static_cast<std::size_t>(blocks.y) *
+                                       static_cast<std::size_t>(blocks.z),
+                                   Contents::uninitialised);
+    cells_ = AlignedArray<Bounds>(blocks_.size() * majorant_block_cells, Contents::uninitialised);
+    const auto& axes = volume.world_from_voxel().column;
+    block_side_ = majorant_block * majorant_cell * std::cbrt(length(axes[0]) * length(axes[1]) * length(axes[2]));
+    diagonal_ = length(
+        volume.world_from_voxel().vector({static_cast<double>(volume_size_.x), static_cast<double>(volume_size_.y),
+                                          static_cast<double>(volume_size_.z)}));
     visit_voxels(volume, [&](const auto* voxels) {
         using Voxel = std::remove_cv_t<std::remove_pointer_t<decltype(voxels)>>;
         if constexpr (std::is_integral_v<Voxel>) {
@@ -65,7 +78,7 @@ BoundsGrid::BoundsGrid(const ScalarGrid& volume)
             // A little more, so that rounding leaves the last step above the range's end.
             step_ = (static_cast<double>(range.high) - first_) / 65535.0 * (1.0 + 1e-8);
         }
-        fill(volume.size(), voxels);
+        fill(voxels);
     });
 }
 
@@ -76,15 +89,16 @@ double BoundsGrid::slack(double low, double high) const
 
 std::uint64_t BoundsGrid::bytes_needed(const Vec3i& volume_size)
 {
-    const Vec3i cells = majorant_cells(volume_size);
-    return static_cast<std::uint64_t>(cells.x) * static_cast<std::uint64_t>(cells.y) *
-           static_cast<std::uint64_t>(cells.z) * sizeof(Bounds);
+    const Vec3i blocks = majorant_blocks(volume_size);
+    return static_cast<std::uint64_t>(blocks.x) * static_cast<std::uint64_t>(blocks.y) *
+           static_cast<std::uint64_t>(blocks.z) * (1 + majorant_block_cells) * sizeof(Bounds);
 }
 
 /// Extremes along z of whole slices, then along y, then along x.
 template <class Voxel>
-void BoundsGrid::fill(const Vec3i& size, const Voxel* voxels)
+void BoundsGrid::fill(const Voxel* voxels)
 {
+    const Vec3i size = volume_size_, cells = majorant_cells(size), blocks = majorant_blocks(size);
     const auto nx = static_cast<std::size_t>(size.x), slice = nx * static_cast<std::size_t>(size.y);
     const auto to_bounds = [&](Voxel low, Voxel high) -> Bounds {
         if constexpr (std::is_integral_v<Voxel>) {
@@ -106,47 +120,53 @@ void BoundsGrid::fill(const Vec3i& size, const Voxel* voxels)
     };
     std::mutex mutex;
     std::atomic<bool> gaps = false;
-    parallel_for(0, cells_.z, [&](int cz) {
+    parallel_for(0, blocks.z, [&](int bz) {
+        const auto layer = static_cast<std::size_t>(blocks.x) * static_cast<std::size_t>(blocks.y);
+        const std::size_t first_block = static_cast<std::size_t>(bz) * layer;
+        std::fill_n(cells_.data() + first_block * majorant_block_cells, layer * majorant_block_cells, Bounds{});
         Extremes<Voxel> along_z(slice), along_y(nx);
-        along_z.clear();
-        const Range rz = voxels_of_cell(cz, size.z);
-        for (int z = rz.begin; z < rz.end; ++z) {
-            const Voxel* from = voxels + static_cast<std::size_t>(z) * slice;
-            along_z.take(from, from, slice, 0);
-            if constexpr (std::is_floating_point_v<Voxel>)
-                if (!std::all_of(from, from + slice, [](Voxel v) { return std::isfinite(v); }))
-                    gaps = true;
-        }
-        Bounds least{1, 0};
-        for (int cy = 0; cy < cells_.y; ++cy) {
-            along_y.clear();
-            const Range ry = voxels_of_cell(cy, size.y);
-            for (int y = ry.begin; y < ry.end; ++y) {
-                const std::size_t line = static_cast<std::size_t>(y) * nx;
-                along_y.take(along_z.low.data() + line, along_z.high.data() + line, nx, 0);
+        for (int cz = bz * majorant_block; cz < std::min((bz + 1) * majorant_block, cells.z); ++cz) {
+            along_z.clear();
+            const Range rz = voxels_of_cell(cz, size.z);
+            for (int z = rz.begin; z < rz.end; ++z) {
+                const Voxel* from = voxels + static_cast<std::size_t>(z) * slice;
+                along_z.take(from, from, slice);
+                if constexpr (std::is_floating_point_v<Voxel>)
+                    if (!std::all_of(from, from + slice, [](Voxel v) { return std::isfinite(v); }))
+                        gaps = true;
             }
-            Bounds* out = bounds_.data() + (static_cast<std::size_t>(cz) * static_cast<std::size_t>(cells_.y) +
-                                            static_cast<std::size_t>(cy)) *
-                                               static_cast<std::size_t>(cells_.x);
-            for (int cx = 0; cx < cells_.x; ++cx) {
-                const Range rx = voxels_of_cell(cx, size.x);
-                auto x = static_cast<std::size_t>(rx.begin);
-                Voxel low = along_y.low[x], high = along_y.high[x];
-                for (++x; x < static_cast<std::size_t>(rx.end); ++x) {
-                    low = along_y.low[x] < low ? along_y.low[x] : low;
-                    high = along_y.high[x] > high ? along_y.high[x] : high;
+            for (int cy = 0; cy < cells.y; ++cy) {
+                along_y.clear();
+                const Range ry = voxels_of_cell(cy, size.y);
+                for (int y = ry.begin; y < ry.end; ++y) {
+                    const std::size_t line = static_cast<std::size_t>(y) * nx;
+                    along_y.take(along_z.low.data() + line, along_z.high.data() + line, nx);
                 }
-                const Bounds b = out[cx] = to_bounds(low, high);
-                if (b.low <= b.high)
-                    least =
-                        least.low > least.high ? b : Bounds{std::min(least.low, b.low), std::max(least.high, b.high)};
+                const std::size_t row = first_block + static_cast<std::size_t>(cy / majorant_block * blocks.x);
+                Bounds* out = cells_.data() + row * majorant_block_cells +
+                              (cz % majorant_block * majorant_block + cy % majorant_block) * majorant_block;
+                for (int cx = 0; cx < cells.x; ++cx) {
+                    const Range rx = voxels_of_cell(cx, size.x);
+                    auto x = static_cast<std::size_t>(rx.begin);
+                    Voxel low = along_y.low[x], high = along_y.high[x];
+                    for (++x; x < static_cast<std::size_t>(rx.end); ++x) {
+                        low = along_y.low[x] < low ? along_y.low[x] : low;
+                        high = along_y.high[x] > high ? along_y.high[x] : high;
+                    }
+                    out[cx / majorant_block * majorant_block_cells + cx % majorant_block] = to_bounds(low, high);
+                }
             }
+        }
+        Bounds all;
+        for (std::size_t block = first_block; block < first_block + layer; ++block) {
+            Bounds of_block;
+            for (int i = 0; i < majorant_block_cells; ++i)
+                of_block.include(this->cells(block)[i]);
+            blocks_[block] = of_block;
+            all.include(of_block);
         }
         const std::lock_guard lock(mutex);
-        if (least.low <= least.high)
-            range_ = range_.low > range_.high
-                         ? least
-                         : Bounds{std::min(range_.low, least.low), std::max(range_.high, least.high)};
+        range_.include(all);
     });
     has_gaps_ = gaps;
 }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "lumisweep/base/parallel.h"
@@ -14,120 +12,143 @@ namespace lumisweep {
 
 Vec3i majorant_cells(const Vec3i& volume_size)
 {
-    return {majorant_cells(volume_size.x), majorant_cells(volume_size.y), majorant_cells(volume_size.z)};
+    const auto cells = [](int n) { return n / majorant_cell + 1; };
+    return {cells(volume_size.x), cells(volume_size.y), cells(volume_size.z)};
+}
+
+Vec3i majorant_blocks(const Vec3i& volume_size)
+{
+    const auto blocks = [](int n) { return (n + majorant_block - 1) / majorant_block; };
+    const Vec3i cells = majorant_cells(volume_size);
+    return {blocks(cells.x), blocks(cells.y), blocks(cells.z)};
 }
 
 namespace {
+
+constexpr std::uint8_t farthest = first_majorant_code - 1;
+
+/// A block is crossed at once where that costs no more than this many tentative collisions more than cell by cell:
+/// about what the steps from cell to cell take.
+constexpr double spare_collisions = 1.0;
 
 std::size_t count(const Vec3i& n)
 {
     return static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z);
 }
 
-Vec3i blocks_of(const Vec3i& cells)
-{
-    const auto blocks = [](int n) { return (n + majorant_block - 1) / majorant_block; };
-    return {blocks(cells.x), blocks(cells.y), blocks(cells.z)};
-}
-
 } // namespace
 
-MajorantGrid::MajorantGrid(const BoundsGrid& bounds, const TransferFunction& transfer_function, double diagonal_world)
-    : cells_(bounds.cells()), blocks_(blocks_of(cells_)), codes_(bounds.size(), Contents::uninitialised),
-      distance_(count(blocks_))
+MajorantGrid::MajorantGrid(const BoundsGrid& bounds, const TransferFunction& transfer_function)
+    : volume_size_(bounds.volume_size()), cells_(bounds.blocks() * majorant_block_cells, Contents::uninitialised),
+      blocks_(bounds.blocks(), Contents::uninitialised)
 {
     fill(bounds, transfer_function);
-    if (!bounds.has_gaps() && mean_majorant() * diagonal_world <= thin_medium) {
-        const SmallestExtinctionCodes extinction(bounds, transfer_function, largest_);
-        smallest_ = AlignedArray<std::uint8_t>(bounds.size(), Contents::uninitialised);
-        parallel_for(
-            std::size_t{0}, bounds.size(),
-            [&](std::size_t cell) { smallest_[cell] = extinction.smallest_code(bounds.bounds(cell)); }, 1024);
-    }
     measure_empty_space();
-}
-
-double MajorantGrid::mean_majorant() const
-{
-    // Rows are counted one by one, so that the sum does not depend on threads.
-    std::vector<std::array<std::uint32_t, 256>> counts(static_cast<std::size_t>(cells_.z));
-    const std::size_t slice = static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y);
-    parallel_for(std::size_t{0}, counts.size(), [&](std::size_t z) {
-        for (std::size_t i = z * slice; i < (z + 1) * slice; ++i)
-            ++counts[z][codes_[i]];
-    });
-    double sum = 0.0, filled = 0.0;
-    for (int code = first_majorant_code; code <= last_majorant_code; ++code)
-        for (const auto& of_slice : counts) {
-            const double n = of_slice[static_cast<std::size_t>(code)];
-            sum += n * static_cast<double>(majorant_of_code<float>(code, largest_));
-            filled += n;
-        }
-    return filled > 0.0 ? sum / filled : 0.0;
 }
 
 std::uint64_t MajorantGrid::bytes_needed(const Vec3i& volume_size)
 {
-    const Vec3i cells = majorant_cells(volume_size);
-    return 2 * count(cells) + count(blocks_of(cells));
+    return count(majorant_blocks(volume_size)) * (2 + majorant_block_cells);
 }
 
 MajorantView MajorantGrid::view() const
 {
-    // Sides of n voxels take floor(log2 n) bits, so volumes of less than 2³¹ voxels fit.
+    // A side of n voxels takes floor(log2 n) bits, so volumes of less than 2³¹ voxels fit.
     const auto bits = [](int n) { return static_cast<int>(std::bit_width(static_cast<unsigned>(n - 1))); };
-    return {codes_.data(), cells_.x,        cells_.y, cells_.z, bits(cells_.x), bits(cells_.x) + bits(cells_.y),
-            largest_,      smallest_.data()};
+    const Vec3i cells = majorant_cells(volume_size_), blocks = majorant_blocks(volume_size_);
+    return {blocks_.data(),
+            cells_.data(),
+            cells,
+            blocks.x,
+            blocks.x * blocks.y,
+            bits(cells.x),
+            bits(cells.x) + bits(cells.y),
+            largest_,
+            smallest_.data()};
 }
 
-/// Codes of all cells, and the blocks that hold anything.
+/// Codes of cells and blocks; empty blocks are left at `farthest`.
 void MajorantGrid::fill(const BoundsGrid& bounds, const TransferFunction& transfer_function)
 {
     const ExtinctionCodes extinction(bounds, transfer_function);
     largest_ = extinction.largest();
-    const auto nx = static_cast<std::size_t>(cells_.x);
-    parallel_for(0, blocks_.y * blocks_.z, [&](int row_of_blocks) {
-        const int by = row_of_blocks % blocks_.y, bz = row_of_blocks / blocks_.y;
-        std::uint8_t* block =
-            distance_.data() + static_cast<std::size_t>(row_of_blocks) * static_cast<std::size_t>(blocks_.x);
-        std::fill_n(block, blocks_.x, farthest);
-        for (int z = bz * majorant_block; z < std::min((bz + 1) * majorant_block, cells_.z); ++z) {
-            for (int y = by * majorant_block; y < std::min((by + 1) * majorant_block, cells_.y); ++y) {
-                const std::size_t row =
-                    (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells_.y) + static_cast<std::size_t>(y)) *
-                    nx;
-                for (std::size_t x = 0; x < nx; ++x) {
-                    const std::uint8_t code = extinction.largest_code(bounds.bounds(row + x));
-                    codes_[row + x] = code;
-                    if (code != 0)
-                        block[x / majorant_block] = 0;
-                }
+    std::array<float, last_majorant_code + 1> majorant{};
+    for (int code = first_majorant_code; code <= last_majorant_code; ++code)
+        majorant[static_cast<std::size_t>(code)] = majorant_of_code<float>(code, largest_);
+    const auto spare = static_cast<float>(majorant_block_cells * spare_collisions / bounds.block_side());
+    std::vector<float> sums(bounds.blocks());
+    parallel_for(
+        std::size_t{0}, bounds.blocks(),
+        [&](std::size_t block) {
+            std::uint8_t& code = blocks_[block];
+            code = farthest;
+            if (extinction.largest_code(bounds.block(block)) == 0)
+                return;
+            std::uint8_t* cells = cells_.data() + block * majorant_block_cells;
+            const BoundsGrid::Bounds* of_cells = bounds.cells(block);
+            std::uint8_t largest = 0;
+            float sum = 0.0F;
+            for (int i = 0; i < majorant_block_cells; ++i) {
+                cells[i] = extinction.largest_code(of_cells[i]);
+                largest = std::max(largest, cells[i]);
+                sum += majorant[cells[i]];
             }
-        }
-    });
+            sums[block] = sum;
+            if (largest != 0)
+                code = majorant[largest] * majorant_block_cells - sum <= spare ? largest : std::uint8_t{0};
+        },
+        64);
+    double sum = 0.0, filled = 0.0;
+    for (const float of_block : sums) {
+        sum += static_cast<double>(of_block);
+        filled += of_block > 0.0F ? majorant_block_cells : 0.0;
+    }
+    if (filled > 0.0 && sum * bounds.diagonal() <= thin_medium * filled && !bounds.has_gaps())
+        fill_smallest(bounds, transfer_function);
 }
 
-/// Chessboard distances of blocks by two passes over half of the 26 neighbours each, which is exact for this metric
-/// (Rosenfeld and Pfaltz 1968); then empty cells take over the distance of their block.
+void MajorantGrid::fill_smallest(const BoundsGrid& bounds, const TransferFunction& transfer_function)
+{
+    smallest_ = AlignedArray<std::uint8_t>(bounds.blocks());
+    const double codes_per_extinction = 256.0 / static_cast<double>(largest_) * (1.0 - 1e-5); // lookups round
+    parallel_for(
+        std::size_t{0}, bounds.blocks(),
+        [&](std::size_t block) {
+            const BoundsGrid::Bounds& b = bounds.block(block);
+            if (b.empty())
+                return;
+            const double low = bounds.value(b.low), high = bounds.value(b.high), slack = bounds.slack(low, high);
+            const double smallest =
+                transfer_function.min_extinction(std::min(low, high) - slack, std::max(low, high) + slack);
+            smallest_[block] = static_cast<std::uint8_t>(std::min(smallest * codes_per_extinction, 255.0));
+        },
+        256);
+}
+
+/// Chessboard distances of empty blocks by two passes over half of the 26 neighbours each, which is exact for this
+/// metric (Rosenfeld and Pfaltz 1968).
 void MajorantGrid::measure_empty_space()
 {
-    const std::ptrdiff_t nx = blocks_.x, ny = blocks_.y, nz = blocks_.z;
-    std::uint8_t* d = distance_.data();
-    std::vector<std::uint8_t> nearest(static_cast<std::size_t>(nx) + 2, farthest); // of the rows before, one to a side
+    const Vec3i blocks = majorant_blocks(volume_size_);
+    const std::ptrdiff_t nx = blocks.x, ny = blocks.y, rows = static_cast<std::ptrdiff_t>(blocks.z) * ny;
+    std::vector<std::uint8_t> distance(blocks_.size());
+    std::transform(blocks_.begin(), blocks_.end(), distance.begin(),
+                   [](std::uint8_t code) { return code == farthest ? farthest : std::uint8_t{0}; });
+    std::vector<std::uint8_t> nearest(static_cast<std::size_t>(nx) + 2); // of the rows before, one to a side
     const auto pass = [&](std::ptrdiff_t direction) {
-        for (std::ptrdiff_t i = 0; i < nz * ny; ++i) {
-            const std::ptrdiff_t row = direction > 0 ? i : nz * ny - 1 - i, y = row % ny, z = row / ny;
+        for (std::ptrdiff_t i = 0; i < rows; ++i) {
+            const std::ptrdiff_t row = direction > 0 ? i : rows - 1 - i, y = row % ny, z = row / ny;
             std::fill(nearest.begin(), nearest.end(), farthest);
             const auto take = [&](std::ptrdiff_t dy, std::ptrdiff_t dz) {
-                if (y + dy < 0 || y + dy >= ny || z + dz < 0 || z + dz >= nz)
+                if (y + dy < 0 || y + dy >= ny || z + dz < 0 || z + dz >= blocks.z)
                     return;
-                const std::uint8_t* other = d + (row + dy + dz * ny) * nx;
+                const std::uint8_t* other = distance.data() + (row + dy + dz * ny) * nx;
+                std::uint8_t* to = nearest.data() + 1;
                 for (std::ptrdiff_t x = 0; x < nx; ++x)
-                    nearest[static_cast<std::size_t>(x + 1)] =
-                        std::min(nearest[static_cast<std::size_t>(x + 1)], other[x]);
+                    to[x] = std::min(to[x], other[x]);
             };
             take(-1, -direction), take(0, -direction), take(1, -direction), take(-direction, 0);
-            std::uint8_t* line = d + row * nx;
+            std::uint8_t* line = distance.data() + row * nx;
             std::uint8_t before = farthest;
             for (std::ptrdiff_t k = 0; k < nx; ++k) {
                 const std::ptrdiff_t x = direction > 0 ? k : nx - 1 - k;
@@ -139,16 +160,9 @@ void MajorantGrid::measure_empty_space()
     };
     pass(1);
     pass(-1);
-    parallel_for(0, cells_.y * cells_.z, [&](int row) {
-        const int y = row % cells_.y, z = row / cells_.y;
-        const std::uint8_t* distance =
-            d + (static_cast<std::ptrdiff_t>(z / majorant_block) * ny + y / majorant_block) * nx;
-        std::uint8_t* codes = codes_.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_.x);
-        for (int x = 0; x < cells_.x; x += majorant_block)
-            if (distance[x / majorant_block] != 0)
-                std::memset(codes + x, distance[x / majorant_block],
-                            static_cast<std::size_t>(std::min(majorant_block, cells_.x - x)));
-    });
+    for (std::size_t i = 0; i < blocks_.size(); ++i)
+        if (blocks_[i] == farthest)
+            blocks_[i] = distance[i];
 }
 
 } // namespace lumisweep

@@ -14,11 +14,14 @@
 
 namespace lumisweep {
 
+/// Groups of lanes that go through a round side by side, so that one computes while another waits for memory.
+inline constexpr int bundle = 2;
+
 /// Paths in structure-of-arrays form, packed from the front.
 template <class F>
 struct PathQueue {
     static constexpr int capacity = 1024;
-    static constexpr int padded = capacity + lane_width<F>;
+    static constexpr int padded = capacity + bundle * lane_width<F>;
     static constexpr int float_fields = 12, int_fields = 6;
     static_assert(float_fields + int_fields == PathState<F>::field_count);
 
@@ -107,44 +110,71 @@ private:
         }
     }
 
-    /// One tentative collision for (almost) every path: a group goes on while more than a quarter of its lanes lack
+    /// A group of lanes on its way through a round.
+    struct Group {
+        PathState<F> path;
+        stage::Walk<F> walk;
+        M pending, candidates, left;
+    };
+
+    /// Calls f on every group of a bundle; written out, so that each stays in registers.
+    template <class Function>
+    LUMISWEEP_HD static void for_each_group(Group (&groups)[bundle], Function&& f)
+    {
+        static_assert(bundle == 2);
+        f(groups[0], 0);
+        f(groups[1], width);
+    }
+
+    /// One tentative collision for (almost) every path: a bundle goes on while more than a quarter of its lanes lack
     /// one.
     LUMISWEEP_HD void step()
     {
         const int size = active_.size;
         active_.size = 0;
         colliding_.size = 0;
-        for (int at = 0; at < size; at += width) {
-            PathState<F> path;
-            active_.load_group(at, path);
-            const M on = first_lanes<F>(size - at);
-            M pending = on, candidates = M(false), left = M(false);
-            stage::Walk<F> walk = stage::begin_walk(scene_, path);
+        for (int at = 0; at < size; at += bundle * width) {
+            Group groups[bundle];
+            for_each_group(
+                groups, [&](Group & g, int offset) __attribute__((always_inline)) {
+                    active_.load_group(at + offset, g.path);
+                    g.pending = first_lanes<F>(size - at - offset);
+                    g.candidates = g.left = M(false);
+                    g.walk = stage::begin_walk(scene_, g.path);
+                });
+            int pending = 0;
             do {
-                const stage::Advanced<F> advanced = stage::advance(scene_, pending, path, walk);
-                candidates = candidates | advanced.candidate;
-                left = left | advanced.left;
-                pending = pending & !(advanced.candidate | advanced.left);
-            } while (count(pending) * 4 > width);
-            path.cell = stage::pack_cell<F>(scene_.majorants, walk.cell);
-
-            M goes_on = pending;
-            if (any(candidates)) {
-                const stage::Judged<F> judged = stage::candidate(scene_, grid_, candidates, path, walk);
-                colliding_.append(judged.scattered, path);
-                goes_on = goes_on | (candidates & !(judged.scattered | judged.ended));
-                const int shadow = count(candidates & (path.segment == I(shadow_segment)));
-                counts_.shadow_steps += static_cast<std::uint64_t>(shadow);
-                counts_.camera_steps += static_cast<std::uint64_t>(count(candidates) - shadow);
-            }
-            if (any(left)) {
-                const M camera = left & (path.segment == I(camera_segment));
-                splat_background(camera, path);
-                splat_light(left & !camera, path);
-            }
+                pending = 0;
+                for_each_group(
+                    groups, [&](Group & g, int) __attribute__((always_inline)) {
+                        const stage::Advanced<F> advanced = stage::advance(scene_, g.pending, g.path, g.walk);
+                        g.candidates = g.candidates | advanced.candidate;
+                        g.left = g.left | advanced.left;
+                        g.pending = g.pending & !(advanced.candidate | advanced.left);
+                        pending += count(g.pending);
+                    });
+            } while (pending * 4 > bundle * width);
             // Writing behind the read position: size never passes `at`.
-            active_.append(goes_on, path);
+            for_each_group(
+                groups, [&](Group & g, int) __attribute__((always_inline)) { end_round(g); });
         }
+    }
+
+    LUMISWEEP_HD void end_round(Group& g)
+    {
+        PathState<F>& path = g.path;
+        path.cell = pack_cell<F>(scene_.majorants, g.walk.cell);
+        const stage::Judged<F> judged = stage::candidate(scene_, grid_, g.candidates, path, g.walk);
+        colliding_.append(judged.scattered, path);
+        const int shadow = count(g.candidates & (path.segment == I(shadow_segment)));
+        counts_.shadow_steps += static_cast<std::uint64_t>(shadow);
+        counts_.camera_steps += static_cast<std::uint64_t>(count(g.candidates) - shadow);
+        if (any(g.left)) {
+            const M camera = g.left & (path.segment == I(camera_segment));
+            splat_background(camera, path);
+            splat_light(g.left & !camera, path);
+        }
+        active_.append(g.pending | (g.candidates & !(judged.scattered | judged.ended)), path);
     }
 
     LUMISWEEP_HD void scatter_all()

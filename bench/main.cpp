@@ -1,5 +1,5 @@
-// lumisweep_bench [--quick] [--data DIR] [Google Benchmark's options]: studies/sweeps.py and studies/paths.py run it
-// and write the reports.
+// lumisweep_bench [--quick] [--transmittance] [--data DIR] [Google Benchmark's options]: studies/sweeps.py,
+// studies/paths.py and studies/transmittance.py run it and write the reports.
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -14,19 +14,22 @@
 #include "paths.h"
 #include "subject.h"
 #include "sweeps.h"
+#include "transmittance.h"
 
 namespace {
 
 int run(int argc, char** argv)
 {
     using namespace lumisweep;
-    bool quick = false;
+    bool quick = false, transmittance = false;
     std::filesystem::path data = LUMISWEEP_FETCHED_DATA;
     std::vector<char*> others;
     for (int i = 0; i < argc; ++i) {
         const std::string_view argument = argv[i];
         if (argument == "--quick")
             quick = true;
+        else if (argument == "--transmittance")
+            transmittance = true;
         else if (argument == "--data" && i + 1 < argc)
             data = argv[++i];
         else
@@ -42,9 +45,13 @@ int run(int argc, char** argv)
     benchmark::AddCustomContext("reference_seed", std::to_string(bench::reference_seed));
     benchmark::AddCustomContext("brute_force_seed", std::to_string(bench::brute_force_seed));
     bench::Subjects subjects;
-    bench::register_machine(quick);
-    bench::register_sweeps(subjects, data, quick);
-    bench::register_paths({LUMISWEEP_PROJECT, data}, quick);
+    if (transmittance) {
+        bench::register_transmittance(data, quick);
+    } else {
+        bench::register_machine(quick);
+        bench::register_sweeps(subjects, data, quick);
+        bench::register_paths({LUMISWEEP_PROJECT, data}, quick);
+    }
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
     return 0;

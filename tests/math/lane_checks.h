@@ -62,6 +62,7 @@ enum FloatResult : int {
     f_exact_count,
     f_fma = f_exact_count,
     f_log,
+    f_exp,
     f_sin,
     f_cos,
     f_atan,
@@ -153,7 +154,8 @@ inline __attribute__((always_inline)) void run_lanes(const LaneInput& in, LaneOu
             put(f_pair_i16_1, i16.second);
         const Random3<F> random = random3(RandomKey<F>{i, j}, index);
         put(f_random_a, random.a), put(f_random_b, random.b), put(f_random_c, random.c);
-        put(f_fma, fma(a, b, load<F>(in.c + at))), put(f_log, log(positive));
+        put(f_fma, fma(a, b, load<F>(in.c + at))), put(f_log, log(positive)),
+            put(f_exp, exp(load<F>(in.unit + at) * F(-80.0F)));
         const SinCos<F> turn = sincos_eighth(load<F>(in.eighth + at));
         put(f_sin, turn.sin), put(f_cos, turn.cos), put(f_atan, atan_unit(load<F>(in.unit + at)));
         const Vec3<F> d = direction_from_oct(UV<F>{load<F>(in.oct_u + at), load<F>(in.oct_v + at)});

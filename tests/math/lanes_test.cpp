@@ -117,7 +117,7 @@ void check_polynomials(void (*run)(const LaneInput&, LaneOutput&))
     std::mt19937 random(43);
     const auto in = std::make_unique<LaneInput>();
     const auto out = std::make_unique<LaneOutput>();
-    double worst_log = 0.0;
+    double worst_log = 0.0, worst_exp = 0.0;
     for (int repeat = 0; repeat < 100; ++repeat) {
         fill(*in, random, false);
         for (int l = 0; l < lane_count; l += 2) // around 1, where the logarithm is small: what free flights ask for
@@ -127,6 +127,7 @@ void check_polynomials(void (*run)(const LaneInput&, LaneOutput&))
             worst_log = std::max(worst_log, in->positive[l] == 1.0F
                                                 ? std::fabs(out->f[test::f_log][l])
                                                 : ulps(out->f[test::f_log][l], std::log(double(in->positive[l]))));
+            worst_exp = std::max(worst_exp, ulps(out->f[test::f_exp][l], std::exp(double(in->unit[l] * -80.0F))));
             ASSERT_NEAR(out->f[test::f_sin][l], std::sin(double(in->eighth[l])), 1e-7);
             ASSERT_NEAR(out->f[test::f_cos][l], std::cos(double(in->eighth[l])), 1e-7);
             ASSERT_NEAR(out->f[test::f_atan][l], std::atan(double(in->unit[l])), 4e-7);
@@ -137,6 +138,7 @@ void check_polynomials(void (*run)(const LaneInput&, LaneOutput&))
         }
     }
     EXPECT_LE(worst_log, 2.0);
+    EXPECT_LE(worst_exp, 2.0);
 }
 
 TEST(Lanes, ScalarPolynomials) { check_polynomials(test::run_lanes<float>); }
@@ -175,6 +177,21 @@ TEST(Lanes, LogPolynomial)
     }
     EXPECT_LE(worst, 2.0);
     EXPECT_EQ(log_polynomial(1.0F), 0.0F);
+}
+
+TEST(Lanes, ExpPolynomial)
+{
+    double worst = 0.0;
+    for (int i = 0; i <= 2000000; ++i) {
+        const float x = -87.0F + 175.0F * static_cast<float>(i) / 2e6F;
+        worst = std::max(worst, ulps(exp_polynomial(x), std::exp(double(x))));
+    }
+    EXPECT_LE(worst, 2.0);
+    EXPECT_EQ(exp_polynomial(0.0F), 1.0F);
+    for (const float x : {-88.0F, -1e3F, -1e30F, -std::numeric_limits<float>::infinity()}) {
+        EXPECT_GE(exp_polynomial(x), 0.0F);
+        EXPECT_LT(exp_polynomial(x), 2e-38F);
+    }
 }
 
 } // namespace

@@ -116,7 +116,7 @@ TEST(EqualMeans, AllStrategiesOnAllInstructionSets)
         SessionInput input = scene.input;
         input.render.strategy = Strategy::environment;
         input.render.seed = ++seed;
-        const Blocks reference = block_means(input, batches, 4 * passes, "auto");
+        const Blocks reference = block_means(input, batches, 5 * passes, "auto");
         EXPECT_LT(power(reference), test::full_effort ? 0.005 : 0.02) << scene.name;
         for (const Strategy strategy : test::all_strategies) {
             for (const std::string& isa : available_isas()) {
@@ -141,7 +141,7 @@ TEST(EqualMeans, PoisonedVisibility)
         input.visibility.epsilon = 0.05;
         input.render.strategy = Strategy::environment;
         input.render.seed = ++seed;
-        const Blocks reference = block_means(input, batches, 4 * passes, "auto");
+        const Blocks reference = block_means(input, batches, 5 * passes, "auto");
         SessionInput other = all[9 - which].input;
         Session others(other, make_cpu_backend()), own(input, make_cpu_backend());
         own.set_render({Strategy::two_step, 0});

@@ -64,6 +64,8 @@ LUMISWEEP_HD std::int32_t min(std::int32_t a, std::int32_t b) { return b < a ? b
 LUMISWEEP_HD std::int32_t max(std::int32_t a, std::int32_t b) { return a < b ? b : a; }
 LUMISWEEP_HD float abs(float a) { return std::fabs(a); }
 LUMISWEEP_HD double abs(double a) { return std::fabs(a); }
+/// 1 / a of a normal number whose reciprocal is normal, within 2 ulp.
+LUMISWEEP_HD float reciprocal(float a) { return 1.0F / a; }
 LUMISWEEP_HD float sqrt(float a) { return std::sqrt(a); }
 LUMISWEEP_HD double sqrt(double a) { return std::sqrt(a); }
 LUMISWEEP_HD float floor(float a) { return std::floor(a); }
@@ -75,6 +77,8 @@ LUMISWEEP_HD float fma(float a, float b, float c) { return a * b + c; }
 LUMISWEEP_HD double fma(double a, double b, double c) { return a * b + c; }
 /// Natural logarithm of a normal, positive number.
 LUMISWEEP_HD float log(float a) { return std::log(a); }
+/// e^a for a ≤ 88; below −87 whatever is less than 2e-38.
+LUMISWEEP_HD float exp(float a) { return std::exp(a); }
 
 // ---- integers and conversions ---------------------------------------------------------------------------------------
 LUMISWEEP_HD std::int32_t to_int(float a) { return static_cast<std::int32_t>(a); } ///< truncates; must fit
@@ -98,6 +102,15 @@ template <int Shift>
 LUMISWEEP_HD std::int32_t shift_right(std::int32_t a)
 {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) >> Shift);
+}
+/// By the same number of bits in all lanes, 0 to 31.
+LUMISWEEP_HD std::int32_t shift_left(std::int32_t a, int by)
+{
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) << by);
+}
+LUMISWEEP_HD std::int32_t shift_right(std::int32_t a, int by)
+{
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) >> by);
 }
 
 LUMISWEEP_HD std::int32_t as_int(float a) { return std::bit_cast<std::int32_t>(a); }
@@ -127,6 +140,24 @@ LUMISWEEP_HD F log_polynomial(const F& a)
     y = fma(e, F(-2.12194440e-4F), y);
     y = fma(m2, F(-0.5F), y);
     return fma(e, F(0.693359375F), m + y);
+}
+
+/// exp for lane types without one: a = n · ln 2 + r with |r| ≤ ½ ln 2, then the polynomial of Cephes' expf (S. Moshier)
+/// in r; error below 2 ulp.
+template <class F>
+LUMISWEEP_HD F exp_polynomial(const F& a)
+{
+    using I = int_of<F>;
+    const F x = max(a, F(-87.0F));
+    const F n = floor(fma(x, F(1.44269504F), F(0.5F)));
+    const F r = fma(n, F(2.12194440e-4F), fma(n, F(-0.693359375F), x));
+    F y = F(1.9875691500e-4F);
+    y = fma(y, r, F(1.3981999507e-3F));
+    y = fma(y, r, F(8.3334519073e-3F));
+    y = fma(y, r, F(4.1665795894e-2F));
+    y = fma(y, r, F(1.6666665459e-1F));
+    y = fma(y, r, F(5.0000001201e-1F));
+    return fma(y * r, r, r + F(1.0F)) * as_float(shift_left<23>(to_int(n) + I(127)));
 }
 
 // ---- memory ---------------------------------------------------------------------------------------------------------
@@ -159,6 +190,13 @@ LUMISWEEP_HD void compress_store(std::int32_t* p, bool m, std::int32_t a)
 }
 LUMISWEEP_HD float gather(const float* base, std::int32_t index) { return base[index]; }
 LUMISWEEP_HD std::int32_t gather(const std::int32_t* base, std::int32_t index) { return base[index]; }
+/// Reads up to 3 bytes past base[index].
+LUMISWEEP_HD std::int32_t gather(const std::uint8_t* base, std::int32_t index) { return base[index]; }
+
+/// Entries of a table that gather_small() can hold in registers.
+inline constexpr int small_table = 16;
+/// base[index] of a table of small_table entries.
+LUMISWEEP_HD float gather_small(const float* base, std::int32_t index) { return base[index]; }
 
 /// Two neighbours along x, base[index] and base[index + 1], as floats. Reads at most 4 bytes past base[index + 1].
 template <class F>

@@ -88,6 +88,7 @@ LUMISWEEP_HD Avx2Float max(Avx2Float a, Avx2Float b) { return _mm256_max_ps(b.v,
 LUMISWEEP_HD Avx2Int min(Avx2Int a, Avx2Int b) { return _mm256_min_epi32(a.v, b.v); }
 LUMISWEEP_HD Avx2Int max(Avx2Int a, Avx2Int b) { return _mm256_max_epi32(a.v, b.v); }
 LUMISWEEP_HD Avx2Float abs(Avx2Float a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0F), a.v); }
+LUMISWEEP_HD Avx2Float reciprocal(Avx2Float a) { return _mm256_div_ps(_mm256_set1_ps(1.0F), a.v); }
 LUMISWEEP_HD Avx2Float sqrt(Avx2Float a) { return _mm256_sqrt_ps(a.v); }
 LUMISWEEP_HD Avx2Float floor(Avx2Float a) { return _mm256_floor_ps(a.v); }
 LUMISWEEP_HD Avx2Float copysign(Avx2Float magnitude, Avx2Float sign)
@@ -113,7 +114,10 @@ LUMISWEEP_HD Avx2Int shift_right(Avx2Int a)
 {
     return _mm256_srli_epi32(a.v, Shift);
 }
+LUMISWEEP_HD Avx2Int shift_left(Avx2Int a, int by) { return _mm256_sll_epi32(a.v, _mm_cvtsi32_si128(by)); }
+LUMISWEEP_HD Avx2Int shift_right(Avx2Int a, int by) { return _mm256_srl_epi32(a.v, _mm_cvtsi32_si128(by)); }
 LUMISWEEP_HD Avx2Float log(Avx2Float a) { return log_polynomial(a); }
+LUMISWEEP_HD Avx2Float exp(Avx2Float a) { return exp_polynomial(a); }
 
 template <>
 LUMISWEEP_HD Avx2Float load<Avx2Float>(const float* p)
@@ -147,6 +151,19 @@ LUMISWEEP_HD Avx2Float gather(const float* base, Avx2Int index) { return _mm256_
 LUMISWEEP_HD Avx2Int gather(const std::int32_t* base, Avx2Int index)
 {
     return _mm256_i32gather_epi32(base, index.v, 4);
+}
+LUMISWEEP_HD Avx2Int gather(const std::uint8_t* base, Avx2Int index)
+{
+    return _mm256_and_si256(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base), index.v, 1),
+                            _mm256_set1_epi32(0xff));
+}
+
+LUMISWEEP_HD Avx2Float gather_small(const float* base, Avx2Int index)
+{
+    const __m256 low = _mm256_permutevar8x32_ps(_mm256_loadu_ps(base), index.v);
+    const __m256 high = _mm256_permutevar8x32_ps(_mm256_loadu_ps(base + 8), index.v);
+    // Bit 3 of the index chooses by the sign.
+    return _mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32(index.v, 28)));
 }
 
 LUMISWEEP_HD Pair<Avx2Float> gather_pair(const float* base, Avx2Int index)

@@ -90,6 +90,12 @@ LUMISWEEP_HD Avx512Float max(Avx512Float a, Avx512Float b) { return _mm512_max_p
 LUMISWEEP_HD Avx512Int min(Avx512Int a, Avx512Int b) { return _mm512_min_epi32(a.v, b.v); }
 LUMISWEEP_HD Avx512Int max(Avx512Int a, Avx512Int b) { return _mm512_max_epi32(a.v, b.v); }
 LUMISWEEP_HD Avx512Float abs(Avx512Float a) { return _mm512_abs_ps(a.v); }
+/// An estimate of 14 bits and one step of Newton's iteration: a division takes several times as long.
+LUMISWEEP_HD Avx512Float reciprocal(Avx512Float a)
+{
+    const __m512 estimate = _mm512_rcp14_ps(a.v);
+    return _mm512_fmadd_ps(_mm512_fnmadd_ps(a.v, estimate, _mm512_set1_ps(1.0F)), estimate, estimate);
+}
 LUMISWEEP_HD Avx512Float sqrt(Avx512Float a) { return _mm512_sqrt_ps(a.v); }
 LUMISWEEP_HD Avx512Float floor(Avx512Float a)
 {
@@ -118,7 +124,10 @@ LUMISWEEP_HD Avx512Int shift_right(Avx512Int a)
 {
     return _mm512_srli_epi32(a.v, Shift);
 }
+LUMISWEEP_HD Avx512Int shift_left(Avx512Int a, int by) { return _mm512_sll_epi32(a.v, _mm_cvtsi32_si128(by)); }
+LUMISWEEP_HD Avx512Int shift_right(Avx512Int a, int by) { return _mm512_srl_epi32(a.v, _mm_cvtsi32_si128(by)); }
 LUMISWEEP_HD Avx512Float log(Avx512Float a) { return log_polynomial(a); }
+LUMISWEEP_HD Avx512Float exp(Avx512Float a) { return exp_polynomial(a); }
 
 template <>
 LUMISWEEP_HD Avx512Float load<Avx512Float>(const float* p)
@@ -144,6 +153,15 @@ LUMISWEEP_HD Avx512Float gather(const float* base, Avx512Int index) { return _mm
 LUMISWEEP_HD Avx512Int gather(const std::int32_t* base, Avx512Int index)
 {
     return _mm512_i32gather_epi32(index.v, base, 4);
+}
+LUMISWEEP_HD Avx512Int gather(const std::uint8_t* base, Avx512Int index)
+{
+    return _mm512_and_si512(_mm512_i32gather_epi32(index.v, base, 1), _mm512_set1_epi32(0xff));
+}
+
+LUMISWEEP_HD Avx512Float gather_small(const float* base, Avx512Int index)
+{
+    return _mm512_permutexvar_ps(index.v, _mm512_loadu_ps(base));
 }
 
 LUMISWEEP_HD Pair<Avx512Float> gather_pair(const float* base, Avx512Int index)

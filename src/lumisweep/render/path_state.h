@@ -19,7 +19,7 @@ struct PathState {
     F optical_depth;   ///< left until the next tentative collision
     F transmittance;   ///< ratio tracking's estimate so far
     Vec3<F> weight;    ///< shadow: ρ L / (4π pdf k). camera: see below
-    int_of<F> cell;    ///< majorant cell: x in bits 0 to 10, y in 11 to 21, z in 22 to 31
+    int_of<F> cell;    ///< majorant cell, packed by stage::pack_cell()
     int_of<F> pixel;   ///< index in the image
     int_of<F> segment; ///< 0 camera, 1 shadow
     int_of<F> dimension;

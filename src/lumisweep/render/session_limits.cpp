@@ -81,7 +81,7 @@ std::uint64_t Session::memory_needed(const Vec3i& volume_size, const ImageSettin
     std::uint64_t bytes = Film::bytes_needed(image.width, image.height);
     bytes +=
         static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height) * layers * sizeof(float);
-    bytes += count(VisibilityGrid::cells_of(volume_size, majorant_cell)) * 3 * sizeof(float);
+    bytes += BoundsGrid::bytes_needed(volume_size) + MajorantGrid::bytes_needed(volume_size);
     if (strategy == Strategy::uniform || strategy == Strategy::environment)
         return bytes;
     const std::size_t cells = count(VisibilityGrid::cells_of(volume_size, visibility.cell));

@@ -10,7 +10,6 @@ namespace lumisweep {
 
 namespace {
 
-// Path states pack a majorant cell of 4 voxels a side into 11, 11 and 10 bits.
 constexpr int max_side[3] = {8192, 8192, 4096};
 constexpr std::uint64_t max_voxels = 0x7fffffff; // voxel indices are int in gathers
 

@@ -54,7 +54,7 @@ TransferFunction::TransferFunction(std::vector<TransferPoint> points, double ext
 void TransferFunction::build_tables()
 {
     const int k = static_cast<int>(points_.size());
-    const int stride = k + 2;
+    const int stride = std::max(k + 2, small_table);
     table_.assign(static_cast<std::size_t>(9 * stride), 0.0F);
     const auto set = [&](int field, int segment, double v) {
         table_[static_cast<std::size_t>(field * stride + segment)] = static_cast<float>(v);
@@ -75,7 +75,8 @@ void TransferFunction::build_tables()
         put(5, left.albedo.y, right.albedo.y);
         put(7, left.albedo.z, right.albedo.z);
     }
-    table_[static_cast<std::size_t>(k + 1)] = std::numeric_limits<float>::infinity();
+    for (int s = k + 1; s < stride; ++s)
+        table_[static_cast<std::size_t>(s)] = std::numeric_limits<float>::infinity();
 
     // Bins: as many as it takes for one comparison a lookup, within reason.
     const float first = static_cast<float>(points_.front().value);
@@ -139,12 +140,23 @@ double TransferFunction::max_extinction(double low, double high) const
     return result;
 }
 
+double TransferFunction::min_extinction(double low, double high) const
+{
+    if (!(low <= high))
+        return 0.0;
+    double result = std::min(evaluate(low).extinction, evaluate(high).extinction);
+    for (const TransferPoint& point : points_)
+        if (low <= point.value && point.value <= high)
+            result = std::min(result, point.extinction * extinction_scale_);
+    return result;
+}
+
 TransferFunctionView TransferFunction::view(double slope, double intercept) const
 {
     TransferFunctionView view;
     view.table = table_.data();
     view.hints = hints_.data();
-    view.stride = static_cast<int>(points_.size()) + 2;
+    view.stride = static_cast<int>(table_.size()) / 9;
     view.bin_count = static_cast<int>(hints_.size());
     view.search_steps = search_steps_;
     view.first = static_cast<float>(points_.front().value);

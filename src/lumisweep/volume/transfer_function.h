@@ -37,6 +37,8 @@ public:
     Material evaluate(double value) const;
     /// The largest extinction over values in [low, high]; 0 for an empty interval (low > high).
     double max_extinction(double low, double high) const;
+    /// The smallest; of a step both sides count.
+    double min_extinction(double low, double high) const;
 
     /// Tables that kernels read, for raw voxels with value = slope · raw + intercept. Valid while this object lives.
     TransferFunctionView view(double slope, double intercept) const;

@@ -9,15 +9,19 @@
 #include <cstdint>
 
 #include "lumisweep/backends/cpu/tile.h"
+#include "lumisweep/math/morton.h"
 #include "lumisweep/render/light_stages.h"
 
 namespace lumisweep {
+
+/// Groups of lanes that go through a round side by side, so that one computes while another waits for memory.
+inline constexpr int bundle = 2;
 
 /// Paths in structure-of-arrays form, packed from the front.
 template <class F>
 struct PathQueue {
     static constexpr int capacity = 1024;
-    static constexpr int padded = capacity + lane_width<F>;
+    static constexpr int padded = capacity + bundle * lane_width<F>;
     static constexpr int float_fields = 12, int_fields = 6;
     static_assert(float_fields + int_fields == PathState<F>::field_count);
 
@@ -58,8 +62,10 @@ public:
     LUMISWEEP_HD PathStream(const SceneView& scene, const SampleView& samples, const PassNumbers& pass,
                             const Tile& tile, PassCounts& counts)
         : scene_(scene), grid_(grid_view<Voxel>(scene)), samples_(samples), pass_(pass), tile_(tile), counts_(counts),
-          next_x_(tile.x0), next_y_(tile.y0)
+          end_(1)
     {
+        while (end_ < (tile.x1 - tile.x0) * (tile.x1 - tile.x0) || end_ < (tile.y1 - tile.y0) * (tile.y1 - tile.y0))
+            end_ *= 4;
     }
 
     LUMISWEEP_HD void run()
@@ -80,23 +86,19 @@ private:
     using I = int_of<F>;
     using M = mask_of<F>;
 
-    /// Starts pixels of the tile, row by row, while the stream has room.
+    /// Starts pixels of the tile, in Morton order, while the stream has room.
     LUMISWEEP_HD void refill()
     {
         // Every camera ray may yet become shadow_rays paths; shadow rays stay one.
-        const int paths_a_camera_ray = scene_.shadow_rays;
-        while (next_y_ < tile_.y1 &&
-               active_.size + camera_rays_ * (paths_a_camera_ray - 1) + width * paths_a_camera_ray <=
-                   PathQueue<F>::capacity) {
+        const int most = scene_.shadow_rays;
+        while (next_ < end_ && active_.size + camera_rays_ * (most - 1) + width * most <= PathQueue<F>::capacity) {
             alignas(64) std::int32_t x[width], y[width];
             int n = 0;
-            for (; n < width && next_y_ < tile_.y1; ++n) {
-                x[n] = next_x_;
-                y[n] = next_y_;
-                if (++next_x_ == tile_.x1) {
-                    next_x_ = tile_.x0;
-                    ++next_y_;
-                }
+            for (; n < width && next_ < end_; ++next_) {
+                const TexelXY<int> at = morton_decode(next_);
+                x[n] = tile_.x0 + at.x;
+                y[n] = tile_.y0 + at.y;
+                n += x[n] < tile_.x1 && y[n] < tile_.y1 ? 1 : 0;
             }
             for (int rest = n; rest < width; ++rest) {
                 x[rest] = tile_.x0;
@@ -111,7 +113,23 @@ private:
         }
     }
 
-    /// One tentative collision for (almost) every path: a group goes on while more than a quarter of its lanes lack
+    /// A group of lanes on its way through a round.
+    struct Group {
+        PathState<F> path;
+        stage::Walk<F> walk;
+        M pending, candidates, left;
+    };
+
+    /// Calls f on every group of a bundle; written out, so that each stays in registers.
+    template <class Function>
+    LUMISWEEP_HD static void for_each_group(Group (&groups)[bundle], Function&& f)
+    {
+        static_assert(bundle == 2);
+        f(groups[0], 0);
+        f(groups[1], width);
+    }
+
+    /// One tentative collision for (almost) every path: a bundle goes on while more than a quarter of its lanes lack
     /// one.
     LUMISWEEP_HD void step()
     {
@@ -119,36 +137,50 @@ private:
         active_.size = 0;
         colliding_.size = 0;
         camera_rays_ = 0;
-        for (int at = 0; at < size; at += width) {
-            PathState<F> path;
-            active_.load_group(at, path);
-            const M on = first_lanes<F>(size - at);
-            M pending = on, candidates = M(false), left = M(false);
+        for (int at = 0; at < size; at += bundle * width) {
+            Group groups[bundle];
+            for_each_group(
+                groups, [&](Group & g, int offset) __attribute__((always_inline)) {
+                    active_.load_group(at + offset, g.path);
+                    g.pending = first_lanes<F>(size - at - offset);
+                    g.candidates = g.left = M(false);
+                    g.walk = stage::begin_walk(scene_, g.path);
+                });
+            int pending = 0;
             do {
-                const stage::Advanced<F> advanced = stage::advance(scene_, pending, path);
-                candidates = candidates | advanced.candidate;
-                left = left | advanced.left;
-                pending = pending & !(advanced.candidate | advanced.left);
-            } while (count(pending) * 4 > width);
-
-            M goes_on = pending;
-            if (any(candidates)) {
-                const stage::Judged<F> judged = stage::candidate(scene_, grid_, candidates, path);
-                colliding_.append(judged.collided, path);
-                goes_on = goes_on | (candidates & !judged.ended);
-                const int shadow = count(candidates & (path.segment == I(shadow_segment)));
-                counts_.shadow_steps += static_cast<std::uint64_t>(shadow);
-                counts_.camera_steps += static_cast<std::uint64_t>(count(candidates) - shadow);
-            }
-            if (any(left)) {
-                const M camera = left & (path.segment == I(camera_segment));
-                splat_background(camera, path);
-                splat_light(left & !camera, path);
-            }
+                pending = 0;
+                for_each_group(
+                    groups, [&](Group & g, int) __attribute__((always_inline)) {
+                        const stage::Advanced<F> advanced = stage::advance(scene_, g.pending, g.path, g.walk);
+                        g.candidates = g.candidates | advanced.candidate;
+                        g.left = g.left | advanced.left;
+                        g.pending = g.pending & !(advanced.candidate | advanced.left);
+                        pending += count(g.pending);
+                    });
+            } while (pending * 4 > bundle * width);
             // Writing behind the read position: size never passes `at`.
-            active_.append(goes_on, path);
-            camera_rays_ += count(goes_on & (path.segment == I(camera_segment)));
+            for_each_group(
+                groups, [&](Group & g, int) __attribute__((always_inline)) { end_round(g); });
         }
+    }
+
+    LUMISWEEP_HD void end_round(Group& g)
+    {
+        PathState<F>& path = g.path;
+        path.cell = pack_cell<F>(scene_.majorants, g.walk.cell);
+        const stage::Judged<F> judged = stage::candidate(scene_, grid_, g.candidates, path, g.walk);
+        colliding_.append(judged.collided, path);
+        const int shadow = count(g.candidates & (path.segment == I(shadow_segment)));
+        counts_.shadow_steps += static_cast<std::uint64_t>(shadow);
+        counts_.camera_steps += static_cast<std::uint64_t>(count(g.candidates) - shadow);
+        if (any(g.left)) {
+            const M camera = g.left & (path.segment == I(camera_segment));
+            splat_background(camera, path);
+            splat_light(g.left & !camera, path);
+        }
+        const M goes_on = g.pending | (g.candidates & !judged.ended);
+        active_.append(goes_on, path);
+        camera_rays_ += count(goes_on & (path.segment == I(camera_segment)));
     }
 
     /// Shadow rays for all collisions of the round.
@@ -230,7 +262,7 @@ private:
     PassNumbers pass_;
     Tile tile_;
     PassCounts& counts_;
-    int next_x_, next_y_;
+    int next_ = 0, end_;  ///< Morton numbers of pixels: the next to start, and of a square around the tile
     int camera_rays_ = 0; ///< in active_
     PathQueue<F> active_, colliding_;
 };

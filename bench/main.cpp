@@ -1,5 +1,5 @@
-// lumisweep_bench [--quick] [--transmittance] [--data DIR] [Google Benchmark's options]: studies/sweeps.py and
-// studies/transmittance.py run it and write the reports.
+// lumisweep_bench [--quick] [--transmittance] [--data DIR] [Google Benchmark's options]: studies/sweeps.py,
+// studies/paths.py and studies/transmittance.py run it and write the reports.
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -11,6 +11,7 @@
 #include "brute_force.h"
 #include "lumisweep/base/error.h"
 #include "machine.h"
+#include "paths.h"
 #include "subject.h"
 #include "sweeps.h"
 #include "transmittance.h"
@@ -49,6 +50,7 @@ int run(int argc, char** argv)
     } else {
         bench::register_machine(quick);
         bench::register_sweeps(subjects, data, quick);
+        bench::register_paths({LUMISWEEP_PROJECT, data}, quick);
     }
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();

@@ -13,18 +13,6 @@
 namespace lumisweep::bench {
 namespace {
 
-/// Voxels of equal sides; the box is 256 world units along x, and centred.
-Affine3d centred_box(Vec3i size)
-{
-    const double side = 256.0 / size.x;
-    Affine3d a;
-    for (Vec3d& column : a.column)
-        column = column * side;
-    a.offset =
-        Vec3d{static_cast<double>(size.x), static_cast<double>(size.y), static_cast<double>(size.z)} * (-0.5 * side);
-    return a;
-}
-
 /// −1 … 1 over the volume.
 float centred(int i, int size) { return (2.0F * static_cast<float>(i) + 1.0F) / static_cast<float>(size) - 1.0F; }
 
@@ -67,6 +55,17 @@ constexpr std::array<Vessel, 9> vessels{{{0.25F, -0.10F, 0.12F, 2.1F, 0.3F, 0.01
 float squared(float x) { return x * x; }
 
 } // namespace
+
+Affine3d centred_box(Vec3i size)
+{
+    const double side = 256.0 / size.x;
+    Affine3d a;
+    for (Vec3d& column : a.column)
+        column = column * side;
+    a.offset =
+        Vec3d{static_cast<double>(size.x), static_cast<double>(size.y), static_cast<double>(size.z)} * (-0.5 * side);
+    return a;
+}
 
 Specimen ct_like(Vec3i size)
 {

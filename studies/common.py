@@ -99,6 +99,16 @@ def geometric_mean(values):
     return math.exp(sum(math.log(value) for value in values) / len(values))
 
 
+def divide(a, b):
+    return a / b if b > 0 else math.inf
+
+
+def ratio(a, b):
+    value = divide(a[0], b[0])
+    error = value * math.hypot(divide(a[1], a[0]), divide(b[1], b[0]))
+    return value, error
+
+
 # --- reports --------------------------------------------------------------------------------------------------------------
 
 def with_error(value, error, digits=3):

@@ -18,7 +18,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import pictures
-from common import ROOT, Renderer, StudyError, markdown_rows, mean_and_error, need_inputs, processor, with_error
+from common import (ROOT, Renderer, StudyError, divide, markdown_rows, mean_and_error, need_inputs, processor, ratio,
+                    with_error)
 
 STRATEGIES = ["uniform", "environment", "visibility", "combined", "two-step"]
 BASELINE = "environment"
@@ -87,16 +88,6 @@ def summarise(rows, reference_samples):
         entry["equal_time"] = divide(baseline["variance"] * baseline["sample_s"], entry["variance"] * entry["sample_s"])
         entry["equal_time_swept"] = {n: swept(baseline, entry, n) for n in entry["mse"]}
     return summary
-
-
-def divide(a, b):
-    return a / b if b > 0 else math.inf
-
-
-def ratio(a, b):
-    value = divide(a[0], b[0])
-    error = value * math.hypot(divide(a[1], a[0]), divide(b[1], b[0]))
-    return value, error
 
 
 def swept(baseline, entry, samples):

@@ -149,18 +149,10 @@ LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, P
     return {candidate, left};
 }
 
-template <class F>
-struct Judged {
-    mask_of<F> scattered; ///< camera segment: a real collision
-    mask_of<F> ended;     ///< shadow segment: roulette or an opaque voxel ended it
-};
-
-/// candidate: looks the extinction up at a tentative collision. Camera segments collide really with probability σt /
-/// majorant (delta tracking); shadow segments multiply by 1 − σt / majorant (ratio tracking), both less the control in
-/// thin media. Draws the next free flight.
+/// look_up: goes to the tentative collisions and returns extinction there over the majorant, both less the control.
 template <class F, class Voxel>
-LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const GridView<Voxel>& grid, const mask_of<F>& on,
-                                 PathState<F>& path, const Walk<F>& walk)
+LUMISWEEP_HD F look_up(const SceneView& scene, const GridView<Voxel>& grid, const mask_of<F>& on, PathState<F>& path,
+                       const Walk<F>& walk)
 {
     using I = int_of<F>;
     const F inverse_majorant = reciprocal(select(on, walk.majorant, F(1.0F)));
@@ -176,13 +168,26 @@ LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const GridView<Voxel>& 
     const auto within = [&](const F& origin, const F& direction, const I& cell) {
         const F low = fma(to_float(cell & base_mask), F(static_cast<float>(majorant_cell)), F(-0.5F));
         const F p = fma(direction, path.t, origin);
-        return min(max(p, low), low + side);
+        return select(on, min(max(p, low), low + side), F(0.0F)); // lanes that are off fetch nothing new
     };
     const Vec3<F> p_voxel = {within(path.origin.x, path.direction.x, walk.cell.x),
                              within(path.origin.y, path.direction.y, walk.cell.y),
                              within(path.origin.z, path.direction.z, walk.cell.z)};
-    const F extinction = extinction_at(scene.transfer_function, trilinear(grid, p_voxel));
-    const F ratio = (extinction - walk.control) * inverse_majorant;
+    return (extinction_at(scene.transfer_function, trilinear(grid, p_voxel)) - walk.control) * inverse_majorant;
+}
+
+template <class F>
+struct Judged {
+    mask_of<F> scattered; ///< camera segment: a real collision
+    mask_of<F> ended;     ///< shadow segment: roulette or an opaque voxel ended it
+};
+
+/// candidate: camera segments collide really with probability `ratio` = σt / majorant (delta tracking); shadow segments
+/// multiply by 1 − `ratio` (ratio tracking; residual where there is a control). Draws the next free flight.
+template <class F>
+LUMISWEEP_HD Judged<F> candidate(const mask_of<F>& on, const F& ratio, PathState<F>& path)
+{
+    using I = int_of<F>;
     const Random3<F> u = random3(path.key, path.dimension);
     const mask_of<F> is_shadow = on & (path.segment == I(shadow_segment));
     const mask_of<F> scattered = on & !is_shadow & (u.a < ratio);

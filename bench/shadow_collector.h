@@ -71,7 +71,8 @@ private:
             path.cell = pack_cell<F>(job_.scene.majorants, walk.cell);
             M goes_on = pending;
             if (any(candidates)) {
-                const stage::Judged<F> judged = stage::candidate(job_.scene, grid_, candidates, path, walk);
+                const F ratio = stage::look_up(job_.scene, grid_, candidates, path, walk);
+                const stage::Judged<F> judged = stage::candidate(job_.scene, candidates, ratio, path);
                 colliding_.append(judged.collided, path);
                 goes_on = goes_on | (candidates & !judged.ended);
             }

@@ -157,6 +157,33 @@ LUMISWEEP_HD Advanced<F> advance(const SceneView& scene, const mask_of<F>& on, P
     return {candidate, left};
 }
 
+/// look_up: goes to the tentative collisions and returns extinction there over the majorant, both less the control.
+template <class F, class Voxel>
+LUMISWEEP_HD F look_up(const SceneView& scene, const GridView<Voxel>& grid, const mask_of<F>& on, PathState<F>& path,
+                       const Walk<F>& walk)
+{
+    using I = int_of<F>;
+    const F inverse_majorant = reciprocal(select(on, walk.majorant, F(1.0F)));
+    if (scene.majorants.smallest != nullptr)
+        path.transmittance =
+            select(on, path.transmittance * exp(F(0.0F) - walk.control * path.optical_depth * inverse_majorant),
+                   path.transmittance);
+    path.t = select(on, fma(path.optical_depth, inverse_majorant, path.t), path.t);
+    // The majorant bounds the extinction of its cell or block only, which rounding must not leave.
+    const I base_mask = select(walk.in_block, I(-majorant_block), I(-1));
+    const F side = select(walk.in_block, F(static_cast<float>(majorant_cell * majorant_block)),
+                          F(static_cast<float>(majorant_cell)));
+    const auto within = [&](const F& origin, const F& direction, const I& cell) {
+        const F low = fma(to_float(cell & base_mask), F(static_cast<float>(majorant_cell)), F(-0.5F));
+        const F p = fma(direction, path.t, origin);
+        return select(on, min(max(p, low), low + side), F(0.0F)); // lanes that are off fetch nothing new
+    };
+    const Vec3<F> p_voxel = {within(path.origin.x, path.direction.x, walk.cell.x),
+                             within(path.origin.y, path.direction.y, walk.cell.y),
+                             within(path.origin.z, path.direction.z, walk.cell.z)};
+    return (extinction_at(scene.transfer_function, trilinear(grid, p_voxel)) - walk.control) * inverse_majorant;
+}
+
 /// How many of a camera ray's k collisions lie before the place where its transmittance has fallen to T: those with
 /// (n + u) / k < 1 − T, n = 0 … k − 1. `rest` is 1 − u, in (0, 1].
 template <class F>
@@ -174,34 +201,13 @@ struct Judged {
     mask_of<F> ended;    ///< camera segment: it was the last. shadow segment: roulette or an opaque voxel ended it
 };
 
-/// candidate: looks the extinction up at a tentative collision and multiplies the transmittance by 1 − σt / majorant,
-/// both less the control in thin media (ratio tracking). Camera segments collide where that passes their numbers,
-/// shadow segments go on. Draws the next free flight.
-template <class F, class Voxel>
-LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const GridView<Voxel>& grid, const mask_of<F>& on,
-                                 PathState<F>& path, const Walk<F>& walk)
+/// candidate: at a tentative collision the transmittance is multiplied by 1 − `ratio` (ratio tracking; residual where
+/// there is a control). Camera segments collide where that passes their numbers, shadow segments go on. Draws the next
+/// free flight.
+template <class F>
+LUMISWEEP_HD Judged<F> candidate(const SceneView& scene, const mask_of<F>& on, const F& ratio, PathState<F>& path)
 {
     using I = int_of<F>;
-    const F inverse_majorant = reciprocal(select(on, walk.majorant, F(1.0F)));
-    if (scene.majorants.smallest != nullptr)
-        path.transmittance =
-            select(on, path.transmittance * exp(F(0.0F) - walk.control * path.optical_depth * inverse_majorant),
-                   path.transmittance);
-    path.t = select(on, fma(path.optical_depth, inverse_majorant, path.t), path.t);
-    // The majorant bounds the extinction of its cell or block only, which rounding must not leave.
-    const I base_mask = select(walk.in_block, I(-majorant_block), I(-1));
-    const F side = select(walk.in_block, F(static_cast<float>(majorant_cell * majorant_block)),
-                          F(static_cast<float>(majorant_cell)));
-    const auto within = [&](const F& origin, const F& direction, const I& cell) {
-        const F low = fma(to_float(cell & base_mask), F(static_cast<float>(majorant_cell)), F(-0.5F));
-        const F p = fma(direction, path.t, origin);
-        return min(max(p, low), low + side);
-    };
-    const Vec3<F> p_voxel = {within(path.origin.x, path.direction.x, walk.cell.x),
-                             within(path.origin.y, path.direction.y, walk.cell.y),
-                             within(path.origin.z, path.direction.z, walk.cell.z)};
-    const F extinction = extinction_at(scene.transfer_function, trilinear(grid, p_voxel));
-    const F ratio = (extinction - walk.control) * inverse_majorant;
     const Random3<F> u = random3(path.key, path.dimension);
     const mask_of<F> is_shadow = on & (path.segment == I(shadow_segment));
     const mask_of<F> is_camera = on & !is_shadow;

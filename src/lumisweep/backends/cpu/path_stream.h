@@ -118,6 +118,7 @@ private:
         PathState<F> path;
         stage::Walk<F> walk;
         M pending, candidates, left;
+        F ratio;
     };
 
     /// Calls f on every group of a bundle; written out, so that each stays in registers.
@@ -158,6 +159,11 @@ private:
                         pending += count(g.pending);
                     });
             } while (pending * 4 > bundle * width);
+            // All lookups before the first is used.
+            for_each_group(
+                groups, [&](Group & g, int) __attribute__((always_inline)) {
+                    g.ratio = stage::look_up(scene_, grid_, g.candidates, g.path, g.walk);
+                });
             // Writing behind the read position: size never passes `at`.
             for_each_group(
                 groups, [&](Group & g, int) __attribute__((always_inline)) { end_round(g); });
@@ -168,7 +174,7 @@ private:
     {
         PathState<F>& path = g.path;
         path.cell = pack_cell<F>(scene_.majorants, g.walk.cell);
-        const stage::Judged<F> judged = stage::candidate(scene_, grid_, g.candidates, path, g.walk);
+        const stage::Judged<F> judged = stage::candidate(scene_, g.candidates, g.ratio, path);
         colliding_.append(judged.collided, path);
         const int shadow = count(g.candidates & (path.segment == I(shadow_segment)));
         counts_.shadow_steps += static_cast<std::uint64_t>(shadow);

@@ -47,6 +47,7 @@ enum FloatResult : int {
     f_as_float,
     f_load,
     f_gather,
+    f_gather_small,
     f_pair_f32_0,
     f_pair_f32_1,
     f_pair_u8_0,
@@ -61,6 +62,7 @@ enum FloatResult : int {
     // Up to here exactly as the scalar code; from here on within rounding.
     f_exact_count,
     f_fma = f_exact_count,
+    f_reciprocal,
     f_log,
     f_exp,
     f_sin,
@@ -88,9 +90,12 @@ enum IntResult : int {
     i_wrapping_add,
     i_shift_left,
     i_shift_right,
+    i_shift_left_by,
+    i_shift_right_by,
     i_as_int,
     i_load,
     i_gather,
+    i_gather_u8,
     i_key_0,
     i_key_1,
     i_morton,
@@ -145,7 +150,7 @@ inline __attribute__((always_inline)) void run_lanes(const LaneInput& in, LaneOu
         put(f_min, min(a, b)), put(f_max, max(a, b)), put(f_abs, abs(a)), put(f_sqrt, sqrt(positive)),
             put(f_floor, floor(a));
         put(f_copysign, copysign(a, b)), put(f_to_float, to_float(i)), put(f_as_float, as_float(i)), put(f_load, a);
-        put(f_gather, gather(in.table_f32, index));
+        put(f_gather, gather(in.table_f32, index)), put(f_gather_small, gather_small(in.table_f32 + 5, index & I(15)));
         const Pair<F> f32 = gather_pair(in.table_f32, index), u8 = gather_pair(in.table_u8, index);
         const Pair<F> u16 = gather_pair(in.table_u16, index), i16 = gather_pair(in.table_i16, index);
         put(f_pair_f32_0, f32.first), put(f_pair_f32_1, f32.second), put(f_pair_u8_0, u8.first),
@@ -154,8 +159,8 @@ inline __attribute__((always_inline)) void run_lanes(const LaneInput& in, LaneOu
             put(f_pair_i16_1, i16.second);
         const Random3<F> random = random3(RandomKey<F>{i, j}, index);
         put(f_random_a, random.a), put(f_random_b, random.b), put(f_random_c, random.c);
-        put(f_fma, fma(a, b, load<F>(in.c + at))), put(f_log, log(positive)),
-            put(f_exp, exp(load<F>(in.unit + at) * F(-80.0F)));
+        put(f_fma, fma(a, b, load<F>(in.c + at))), put(f_reciprocal, reciprocal(positive)), put(f_log, log(positive));
+        put(f_exp, exp(load<F>(in.unit + at) * F(-80.0F)));
         const SinCos<F> turn = sincos_eighth(load<F>(in.eighth + at));
         put(f_sin, turn.sin), put(f_cos, turn.cos), put(f_atan, atan_unit(load<F>(in.unit + at)));
         const Vec3<F> d = direction_from_oct(UV<F>{load<F>(in.oct_u + at), load<F>(in.oct_v + at)});
@@ -168,7 +173,9 @@ inline __attribute__((always_inline)) void run_lanes(const LaneInput& in, LaneOu
             put_int(i_wrapping_mul, wrapping_mul(i, j));
         put_int(i_wrapping_add, wrapping_add(i, j)), put_int(i_shift_left, shift_left<7>(i)),
             put_int(i_shift_right, shift_right<7>(i));
-        put_int(i_as_int, as_int(a)), put_int(i_load, i), put_int(i_gather, gather(in.table_i32, index));
+        put_int(i_shift_left_by, shift_left(i, at / 16 % 32)), put_int(i_shift_right_by, shift_right(i, at / 16 % 32));
+        put_int(i_as_int, as_int(a)), put_int(i_load, i), put_int(i_gather, gather(in.table_i32, index)),
+            put_int(i_gather_u8, gather(in.table_u8, index));
         const RandomKey<F> key = path_key<F>(index, 0x12345678, -77);
         put_int(i_key_0, key.k0), put_int(i_key_1, key.k1);
         const I morton = morton_encode(I(i & I(0x3fff)), I(j & I(0x3fff)));

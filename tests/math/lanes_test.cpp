@@ -117,7 +117,7 @@ void check_polynomials(void (*run)(const LaneInput&, LaneOutput&))
     std::mt19937 random(43);
     const auto in = std::make_unique<LaneInput>();
     const auto out = std::make_unique<LaneOutput>();
-    double worst_log = 0.0, worst_exp = 0.0;
+    double worst_log = 0.0, worst_exp = 0.0, worst_reciprocal = 0.0;
     for (int repeat = 0; repeat < 100; ++repeat) {
         fill(*in, random, false);
         for (int l = 0; l < lane_count; l += 2) // around 1, where the logarithm is small: what free flights ask for
@@ -128,6 +128,8 @@ void check_polynomials(void (*run)(const LaneInput&, LaneOutput&))
                                                 ? std::fabs(out->f[test::f_log][l])
                                                 : ulps(out->f[test::f_log][l], std::log(double(in->positive[l]))));
             worst_exp = std::max(worst_exp, ulps(out->f[test::f_exp][l], std::exp(double(in->unit[l] * -80.0F))));
+            worst_reciprocal =
+                std::max(worst_reciprocal, ulps(out->f[test::f_reciprocal][l], 1.0 / double(in->positive[l])));
             ASSERT_NEAR(out->f[test::f_sin][l], std::sin(double(in->eighth[l])), 1e-7);
             ASSERT_NEAR(out->f[test::f_cos][l], std::cos(double(in->eighth[l])), 1e-7);
             ASSERT_NEAR(out->f[test::f_atan][l], std::atan(double(in->unit[l])), 4e-7);
@@ -139,6 +141,7 @@ void check_polynomials(void (*run)(const LaneInput&, LaneOutput&))
     }
     EXPECT_LE(worst_log, 2.0);
     EXPECT_LE(worst_exp, 2.0);
+    EXPECT_LE(worst_reciprocal, 2.0);
 }
 
 TEST(Lanes, ScalarPolynomials) { check_polynomials(test::run_lanes<float>); }

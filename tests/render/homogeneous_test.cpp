@@ -88,7 +88,7 @@ TEST(Homogeneous, SingleScatteringOfOddBoxes)
 TEST(Homogeneous, OpticalDepthsFromNothingToOpaque)
 {
     const Vec3i size{6, 6, 6};
-    for (const double depth : {0.0, 1e-3, 1.0, 1e3}) {
+    for (const double depth : {0.0, 1e-3, 1.0, 1e3, 1e5}) {
         SessionInput input =
             with_image(test::homogeneous(size, test::centered(size, {1.0, 1.0, 1.0}), depth / 6.0, white), 64);
         input.camera = needle({0.0, -20.0, 0.0}, {0.0, 0.0, 0.0});

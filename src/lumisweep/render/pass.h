@@ -40,6 +40,10 @@ struct PassCounts {
     std::uint64_t shadow_rays = 0;  ///< directions towards light that is not black
     std::uint64_t camera_steps = 0; ///< tentative collisions of camera segments
     std::uint64_t shadow_steps = 0; ///< tentative collisions of shadow segments
+    /// Lanes that went through a cell, a block or empty space, and all lanes of the groups that they were in; and all
+    /// lanes of the groups that tentative collisions were in. Utilisation is advance_steps / advance_lanes, and
+    /// (camera_steps + shadow_steps) / candidate_lanes.
+    std::uint64_t advance_steps = 0, advance_lanes = 0, candidate_lanes = 0;
 
     PassCounts& operator+=(const PassCounts& other)
     {
@@ -47,6 +51,9 @@ struct PassCounts {
         shadow_rays += other.shadow_rays;
         camera_steps += other.camera_steps;
         shadow_steps += other.shadow_steps;
+        advance_steps += other.advance_steps;
+        advance_lanes += other.advance_lanes;
+        candidate_lanes += other.candidate_lanes;
         return *this;
     }
 };

@@ -26,7 +26,7 @@ public:
         if (bounds.empty())
             return 0;
         const unsigned first = 2U * (bounds.low - lowest_), span = 2U * (bounds.high - bounds.low) + 1U;
-        const int level = std::bit_width(span) - 1;
+        const int level = std::bit_width(span >> 1U);
         const std::uint8_t* maxima = maxima_.data() + static_cast<std::size_t>(level) * entries_;
         return std::max(maxima[first], maxima[first + span - (1U << level)]);
     }

@@ -147,8 +147,10 @@ private:
                     g.candidates = g.left = M(false);
                     g.walk = stage::begin_walk(scene_, g.path);
                 });
-            int pending = 0;
+            int pending = min(size - at, bundle * width);
             do {
+                counts_.advance_steps += static_cast<std::uint64_t>(pending);
+                counts_.advance_lanes += static_cast<std::uint64_t>(bundle * width);
                 pending = 0;
                 for_each_group(
                     groups, [&](Group & g, int) __attribute__((always_inline)) {
@@ -159,6 +161,7 @@ private:
                         pending += count(g.pending);
                     });
             } while (pending * 4 > bundle * width);
+            counts_.candidate_lanes += static_cast<std::uint64_t>(bundle * width);
             // All lookups before the first is used.
             for_each_group(
                 groups, [&](Group & g, int) __attribute__((always_inline)) {

@@ -53,6 +53,6 @@ struct RenderSettings {
 };
 
 inline constexpr int most_shadow_rays = 64;
-inline constexpr int automatic_shadow_rays = 4;
+inline constexpr int automatic_shadow_rays = 3;
 
 } // namespace lumisweep

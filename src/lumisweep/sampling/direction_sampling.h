@@ -86,32 +86,50 @@ LUMISWEEP_HD F joint_value(const JointView& joint, const int_of<F>& cell, const 
     return gather(leaves, cell * int_of<F>(joint.node_count) + leaf);
 }
 
-/// Σ w_c J_c(leaf) / Σ w_c root_c: the density of the interpolated product.
+/// The parts w_c · root_c that the eight cells have in the interpolated product, and their sum.
 template <class F>
-LUMISWEEP_HD F joint_pdf_uv(const JointView& joint, const CellCorners<F>& corners, const int_of<F>& leaf)
+struct CellParts {
+    F part[8];
+    F total;
+};
+
+template <class F>
+LUMISWEEP_HD CellParts<F> cell_parts(const JointView& joint, const CellCorners<F>& corners)
 {
-    F value = F(0.0F), total = F(0.0F);
+    CellParts<F> parts;
+    parts.total = F(0.0F);
+    int c = 0;
     corners.for_each([&](const int_of<F>& cell, const F& w) {
-        value = fma(w, joint_value<F>(joint, cell, leaf), value);
-        total = fma(w, gather(joint.root, cell), total);
+        parts.part[c] = w * gather(joint.root, cell);
+        parts.total = parts.total + parts.part[c++];
     });
-    return value / total;
+    return parts;
 }
 
-/// Chooses one of the eight cells with probability proportional to w_c · root_c.
+/// Σ w_c J_c(leaf) / Σ w_c root_c: the density of the interpolated product.
 template <class F>
-LUMISWEEP_HD int_of<F> choose_cell(const JointView& joint, const CellCorners<F>& corners, const F& u)
+LUMISWEEP_HD F joint_pdf_uv(const JointView& joint, const CellCorners<F>& corners, const CellParts<F>& parts,
+                            const int_of<F>& leaf)
 {
-    F total = F(0.0F);
-    corners.for_each([&](const int_of<F>& cell, const F& w) { total = fma(w, gather(joint.root, cell), total); });
-    const F target = u * total;
+    F value = F(0.0F);
+    corners.for_each(
+        [&](const int_of<F>& cell, const F& w) { value = fma(w, joint_value<F>(joint, cell, leaf), value); });
+    return value / parts.total;
+}
+
+/// Chooses one of the eight cells with probability proportional to its part.
+template <class F>
+LUMISWEEP_HD int_of<F> choose_cell(const CellCorners<F>& corners, const CellParts<F>& parts, const F& u)
+{
+    const F target = u * parts.total;
     F sum = F(0.0F);
     int_of<F> chosen = corners.base;
-    // The last cell of positive weight at which the running sum is still at or below the target.
-    corners.for_each([&](const int_of<F>& cell, const F& w) {
-        const F weight = w * gather(joint.root, cell);
-        chosen = select((sum <= target) & (weight > F(0.0F)), cell, chosen);
-        sum = sum + weight;
+    int c = 0;
+    // The last cell of positive part at which the running sum is still at or below the target.
+    corners.for_each([&](const int_of<F>& cell, const F&) {
+        const F part = parts.part[c++];
+        chosen = select((sum <= target) & (part > F(0.0F)), cell, chosen);
+        sum = sum + part;
     });
     return chosen;
 }
@@ -193,8 +211,9 @@ LUMISWEEP_HD DirectionSample<F> sample_direction(const DirectionSamplingView& vi
     }
     const JointView& joint = view.joint;
     const auto corners = detail::cell_corners(joint, p_voxel);
-    const Descent<F> node = detail::descend_joint(joint, detail::choose_cell(joint, corners, u.c), root);
-    const F pdf_uv = detail::joint_pdf_uv(joint, corners, node.node);
+    const auto parts = detail::cell_parts(joint, corners);
+    const Descent<F> node = detail::descend_joint(joint, detail::choose_cell(corners, parts, u.c), root);
+    const F pdf_uv = detail::joint_pdf_uv(joint, corners, parts, node.node);
     if (view.strategy != Strategy::two_step) {
         const UV<F> uv = detail::uv_of(node, joint.levels);
         return {uv, pdf_uv, detail::node_of(uv, environment.levels)};
@@ -217,7 +236,8 @@ LUMISWEEP_HD F direction_pdf_uv(const DirectionSamplingView& view, const Vec3<F>
         return detail::environment_pdf_below<F>(environment, texel, F(environment.luminance[0]));
     const JointView& joint = view.joint;
     const int_of<F> node = detail::node_of(uv_oct, joint.levels);
-    const F pdf_uv = detail::joint_pdf_uv(joint, detail::cell_corners(joint, p_voxel), node);
+    const auto corners = detail::cell_corners(joint, p_voxel);
+    const F pdf_uv = detail::joint_pdf_uv(joint, corners, detail::cell_parts(joint, corners), node);
     if (view.strategy != Strategy::two_step)
         return pdf_uv;
     const F node_luminance = gather(environment.luminance + detail::level_offset(joint.levels), node);

@@ -27,9 +27,11 @@ template <class F>
 LUMISWEEP_HD mask_of<F> warp_axis(const F& low, const F& high, F& u)
 {
     constexpr float below_one = 0x1.fffffep-1F;
-    const F p = low / (low + high);
-    const mask_of<F> upper = !(u < p);
-    u = select(upper, (u - p) / (F(1.0F) - p), u / p);
+    // In units of the weights, which leaves one division. u (low + high) rounds to less than low + high, so a half
+    // without weight is never taken.
+    const F at = u * (low + high);
+    const mask_of<F> upper = !(at < low);
+    u = (at - select(upper, low, F(0.0F))) / select(upper, high, low);
     u = min(max(u, F(0.0F)), F(below_one));
     return upper;
 }

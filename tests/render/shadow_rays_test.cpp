@@ -93,6 +93,35 @@ TEST(ShadowRays, ClosedFormsOfHomogeneousBoxes)
     }
 }
 
+/// Variance of a pixel's light, from the spread over pixels that all see the same.
+double variance(double depth, const Draw& draw)
+{
+    SessionInput input =
+        test::homogeneous({6, 6, 6}, test::centered({6, 6, 6}, {1.0, 1.0, 1.0}), depth / 6.0, {1.0, 1.0, 1.0});
+    input.camera = test::needle({0.0, -20.0, 0.0}, {0.0, 0.0, 0.0});
+    input.image = {64, 64, true};
+    input.render.shadow_rays = draw.shadow_rays;
+    input.render.random_numbers = draw.numbers;
+    const auto session = test::rendered(input, 16);
+    const Film& film = session->film();
+    const test::Estimate light = over_pixels(film, [&](std::size_t p) { return film.color_sum()[3 * p]; });
+    return light.error * light.error;
+}
+
+// Means do not show whether numbers are stratified over a block's samples and their shadow rays. The bounds are
+// somewhat less than twice what was measured.
+TEST(ShadowRays, StratificationLeavesLessVariance)
+{
+    const auto ratio = [](double depth, int shadow_rays) {
+        return variance(depth, {shadow_rays, RandomNumbers::stratified}) /
+               variance(depth, {shadow_rays, RandomNumbers::independent});
+    };
+    EXPECT_LT(ratio(1.0, 1), 0.28); // depth along the ray decides
+    EXPECT_LT(ratio(1.0, 4), 0.05);
+    EXPECT_LT(ratio(50.0, 4), 0.5); // the direction decides
+    EXPECT_LT(ratio(50.0, 64), 0.1);
+}
+
 // No ray comes through: every one brings all of its collisions.
 TEST(ShadowRays, OpaqueBoxesHaveThemAll)
 {

@@ -20,7 +20,7 @@ class Render(ProgramTest):
     def test_every_strategy_has_the_same_mean(self):
         # A sun so wide that uniform directions find it, too.
         sky = "environment.sky.sun_angular_diameter_deg=90"
-        for strategy in ("uniform", "environment", "visibility", "combined", "two-step"):
+        for strategy in ("uniform", "environment", "visibility", "combined", "two-step", "auto"):
             self.expect_success("render", "scene.json", "-o", f"{strategy}.exr", "--strategy", strategy, "--samples", "64",
                                 "--set", sky)
             self.assertEqual(read_exr(self.folder / f"{strategy}.exr")[0]["strategy"], strategy)
@@ -56,8 +56,31 @@ class Render(ProgramTest):
             self.assertGreaterEqual(stats["seconds"][key], 0.0)
         for key in ("volume", "visibility", "environment", "peak_rss"):
             self.assertGreater(stats["memory_bytes"][key], 0)
+        self.assertEqual(stats["strategy"], "auto")
+        self.assertEqual(stats["random_numbers"], "stratified")
+        self.assertEqual(stats["shadow_rays"]["per_camera_ray"], 4)
+        self.assertGreater(stats["shadow_rays"]["traced"], 0)
+        self.assertLessEqual(stats["shadow_rays"]["traced"], 4 * stats["paths"])
         self.assertGreater(stats["steps"]["camera"], 0)
         self.assertGreater(stats["noise"], 0.0)
+
+    def test_random_numbers_and_shadow_rays(self):
+        def stats(*arguments):
+            self.expect_success("render", "scene.json", "-o", "out.exr", "--stats", "stats.json", *arguments)
+            return json.loads((self.folder / "stats.json").read_text())
+
+        papers = stats("--strategy", "two-step")
+        self.assertEqual((papers["random_numbers"], papers["shadow_rays"]["per_camera_ray"]), ("independent", 1))
+        self.assertLessEqual(papers["shadow_rays"]["traced"], papers["paths"])
+        ours = stats("--strategy", "two-step", "--set", "render.random_numbers=stratified", "--set", "render.shadow_rays=4")
+        self.assertEqual((ours["random_numbers"], ours["shadow_rays"]["per_camera_ray"]), ("stratified", 4))
+        # Automatic is two-step's density with these settings.
+        pixels = read_exr(self.folder / "out.exr")[1]
+        self.assertEqual(self.pixels(), pixels)
+        self.assertNotEqual(self.pixels("--set", "render.shadow_rays=5"), pixels)
+        self.assertNotEqual(self.pixels("--set", "render.random_numbers=independent"), pixels)
+        self.expect_failure(1, "render.shadow_rays: 65 is out of range (give a whole number from 1 to 64)", "render", "scene.json", "-o",
+                            "out.exr", "--set", "render.shadow_rays=65")
 
     def test_volume_alone(self):
         process = self.expect_success("render", "--volume", "ball.nrrd", "--samples", "1", "--width", "16", "--height", "16")

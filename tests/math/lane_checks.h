@@ -7,6 +7,7 @@
 #include "lumisweep/math/morton.h"
 #include "lumisweep/math/octahedral.h"
 #include "lumisweep/math/random.h"
+#include "lumisweep/math/stratified.h"
 #include "lumisweep/math/trigonometry.h"
 
 namespace lumisweep::test {
@@ -59,6 +60,9 @@ enum FloatResult : int {
     f_random_a,
     f_random_b,
     f_random_c,
+    f_stratified_a,
+    f_stratified_b,
+    f_stratified_c,
     // Up to here exactly as the scalar code; from here on within rounding.
     f_exact_count,
     f_fma = f_exact_count,
@@ -159,6 +163,8 @@ inline __attribute__((always_inline)) void run_lanes(const LaneInput& in, LaneOu
             put(f_pair_i16_1, i16.second);
         const Random3<F> random = random3(RandomKey<F>{i, j}, index);
         put(f_random_a, random.a), put(f_random_b, random.b), put(f_random_c, random.c);
+        const Random3<F> stratified = stratified3(RandomKey<F>{i, j}, index, 2);
+        put(f_stratified_a, stratified.a), put(f_stratified_b, stratified.b), put(f_stratified_c, stratified.c);
         put(f_fma, fma(a, b, load<F>(in.c + at))), put(f_reciprocal, reciprocal(positive)), put(f_log, log(positive));
         put(f_exp, exp(load<F>(in.unit + at) * F(-80.0F)));
         const SinCos<F> turn = sincos_eighth(load<F>(in.eighth + at));

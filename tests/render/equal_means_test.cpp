@@ -167,9 +167,10 @@ TEST(EqualMeans, PoisonedVisibility)
                  return own.visibility().direction(63 - d)[own.visibility().cell_count() - 1 - c];
              })},
         };
-        const double limit = test::sidak(0.0005, 2.0 * 5.0 * 3.0 * blocks);
+        const double limit = test::sidak(0.0005, 2.0 * 5.0 * 4.0 * blocks);
         for (const auto& p : poisons) {
-            for (const Strategy strategy : {Strategy::visibility, Strategy::combined, Strategy::two_step}) {
+            for (const Strategy strategy :
+                 {Strategy::visibility, Strategy::combined, Strategy::two_step, Strategy::automatic}) {
                 input.render.strategy = strategy;
                 input.render.seed = ++seed;
                 const Blocks poisoned = block_means(input, batches, passes, "auto", &p.grid);

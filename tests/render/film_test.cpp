@@ -1,6 +1,8 @@
 // The film: variances that are variances, and the layers of a scene whose geometry is known.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "support/effort.h"
 #include "support/scenes.h"
 
@@ -9,7 +11,13 @@ namespace {
 
 using test::effort;
 
-TEST(FilmTest, VarianceIsThatOfTheMean)
+/// The mean over pixels of the variance that the film claims, against that of the pixels' means over many renderings.
+struct VarianceCheck {
+    double claimed = 0.0, seen = 0.0;
+    double noise = 0.0; ///< the root of the mean square of noise(), relative to what the means say
+};
+
+VarianceCheck check_variance(const RenderSettings& render, int passes, int repeats)
 {
     const Vec3i size{20, 20, 20};
     SessionInput input;
@@ -20,11 +28,12 @@ TEST(FilmTest, VarianceIsThatOfTheMean)
     input.camera.position = {0.0, -70.0, 10.0};
     input.camera.vertical_fov_deg = 18.0;
     Session session(input, make_cpu_backend());
-    const int repeats = effort(400), passes = 16;
     std::vector<test::Moments> means(12 * 12), variances(12 * 12);
     double noise2 = 0.0, mean = 0.0;
     for (int r = 0; r < repeats; ++r) {
-        session.set_render({Strategy::two_step, static_cast<std::uint64_t>(r)});
+        RenderSettings settings = render;
+        settings.seed = static_cast<std::uint64_t>(r);
+        session.set_render(settings);
         EXPECT_EQ(session.film().noise(), std::numeric_limits<double>::infinity());
         for (int p = 0; p < passes; ++p)
             session.render_pass();
@@ -36,18 +45,37 @@ TEST(FilmTest, VarianceIsThatOfTheMean)
         const double n = session.film().noise();
         noise2 += n * n / repeats;
     }
-    double claimed = 0.0, seen = 0.0;
+    VarianceCheck result;
     for (std::size_t i = 0; i < means.size(); ++i) {
-        claimed += variances[i].mean();
-        seen += means[i].variance();
+        result.claimed += variances[i].mean();
+        result.seen += means[i].variance();
         mean += means[i].mean();
     }
-    // The variance of a variance from `repeats` normal numbers, summed over the pixels: under 2 % here.
-    EXPECT_NEAR(claimed / seen, 1.0, test::full_effort ? 0.06 : 0.2);
-    // Green is most of the luminance, so the noise estimate is close to green's.
     const double relative =
-        std::sqrt(seen / static_cast<double>(means.size())) / (mean / static_cast<double>(means.size()));
-    EXPECT_NEAR(std::sqrt(noise2) / relative, 1.0, 0.15);
+        std::sqrt(result.seen / static_cast<double>(means.size())) / (mean / static_cast<double>(means.size()));
+    result.noise = std::sqrt(noise2) / relative;
+    return result;
+}
+
+TEST(FilmTest, VarianceIsThatOfTheMean)
+{
+    const VarianceCheck check = check_variance({Strategy::two_step, 0}, 16, effort(400));
+    // The variance of a variance from `repeats` normal numbers, summed over the pixels: under 2 % here.
+    EXPECT_NEAR(check.claimed / check.seen, 1.0, test::full_effort ? 0.06 : 0.2);
+    // Green is most of the luminance, so the noise estimate is close to green's.
+    EXPECT_NEAR(check.noise, 1.0, 0.15);
+}
+
+// Samples of a block are not independent, but blocks are; below two blocks the variance of single samples is too much.
+TEST(FilmTest, VarianceOfStratifiedSamplesIsThatOfTheMean)
+{
+    for (const int samples : {40, 64}) { // in the midst of a block and at its end
+        const VarianceCheck blocks = check_variance({Strategy::automatic, 0}, samples, effort(400));
+        EXPECT_NEAR(blocks.claimed / blocks.seen, 1.0, test::full_effort ? 0.06 : 0.2) << samples;
+        EXPECT_NEAR(blocks.noise, 1.0, 0.15) << samples;
+    }
+    const VarianceCheck single = check_variance({Strategy::automatic, 0}, 16, effort(400));
+    EXPECT_GT(single.claimed / single.seen, test::full_effort ? 1.06 : 0.9);
 }
 
 TEST(FilmTest, VarianceOfKnownSamples)
@@ -69,6 +97,89 @@ TEST(FilmTest, VarianceOfKnownSamples)
     EXPECT_EQ(test::channel(image, "A")[1], 0.0F);
     EXPECT_EQ(test::channel(image, "depth.Z")[1], 0.0F);
     EXPECT_EQ(Film(2, 2).noise(), std::numeric_limits<double>::infinity());
+}
+
+/// What a film of one pixel is given.
+std::vector<float> drift(int n)
+{
+    std::mt19937 random(3);
+    std::vector<float> samples;
+    for (int i = 0; i < n; ++i) // correlated within blocks, as single samples would not show
+        samples.push_back(static_cast<float>(i / 16 % 3) + static_cast<float>(random() % 1000) * 1e-3F);
+    return samples;
+}
+
+void add(Film& film, float x)
+{
+    float color[3] = {x, 2.0F * x, 0.5F}, features[8] = {};
+    film.add({color, features});
+}
+
+TEST(FilmTest, VarianceOfKnownBlocks)
+{
+    const std::vector<float> samples = drift(200);
+    Film film(1, 1);
+    const auto variance = [](const std::vector<double>& parts) {
+        double mean = 0.0, sum = 0.0;
+        for (const double p : parts)
+            mean += p / static_cast<double>(parts.size());
+        for (const double p : parts)
+            sum += (p - mean) * (p - mean);
+        return sum / static_cast<double>(parts.size() - 1);
+    };
+    for (std::size_t n = 1; n <= samples.size(); ++n) {
+        add(film, samples[n - 1]);
+        if (n < 2)
+            continue;
+        std::vector<double> parts;
+        if (n < 32)
+            parts.assign(samples.begin(), samples.begin() + static_cast<std::ptrdiff_t>(n));
+        for (std::size_t block = 0; n >= 32 && block < n / 16; ++block) {
+            double mean = 0.0;
+            for (std::size_t i = 0; i < 16; ++i)
+                mean += samples[16 * block + i] / 16.0;
+            parts.push_back(mean);
+        }
+        // Of the mean of all n samples, the block under way with them.
+        const double expected = variance(parts) * (n < 32 ? 1.0 : 16.0) / static_cast<double>(n);
+        EXPECT_NEAR(film.variance_of_mean(0), expected, 1e-11 * expected) << n;
+        EXPECT_NEAR(film.variance_of_mean(1), 4.0 * expected, 4e-11 * expected) << n;
+        EXPECT_NEAR(film.variance_of_mean(2), 0.0, 1e-15) << n;
+    }
+    film.clear();
+    for (std::size_t n = 0; n < 40; ++n)
+        add(film, samples[160 + n]);
+    Film fresh(1, 1);
+    for (std::size_t n = 0; n < 40; ++n)
+        add(fresh, samples[160 + n]);
+    EXPECT_EQ(film.variance_of_mean(0), fresh.variance_of_mean(0));
+}
+
+// Anywhere within a block, with what a checkpoint keeps.
+TEST(FilmTest, GoesOnWithinABlock)
+{
+    const std::vector<float> samples = drift(100);
+    for (const std::size_t stop : {1U, 15U, 16U, 17U, 31U, 32U, 33U, 50U, 64U}) {
+        Film straight(1, 1), first(1, 1), resumed(1, 1);
+        for (std::size_t n = 0; n < stop; ++n)
+            add(first, samples[n]);
+        std::copy(first.color_sum().begin(), first.color_sum().end(), resumed.color_sum().begin());
+        std::copy(first.color_sum_squares().begin(), first.color_sum_squares().end(),
+                  resumed.color_sum_squares().begin());
+        std::copy(first.block_begin().begin(), first.block_begin().end(), resumed.block_begin().begin());
+        resumed.set_samples(first.samples());
+        for (std::size_t n = 0; n < samples.size(); ++n) {
+            add(straight, samples[n]);
+            if (n < stop)
+                continue;
+            add(resumed, samples[n]);
+            for (std::size_t c = 0; c < 3; ++c) {
+                EXPECT_EQ(straight.color_sum()[c], resumed.color_sum()[c]);
+                EXPECT_EQ(straight.color_sum_squares()[c], resumed.color_sum_squares()[c]);
+                EXPECT_EQ(straight.block_begin()[c], resumed.block_begin()[c]);
+            }
+        }
+    }
 }
 
 // An opaque sphere in a rotated, anisotropic grid: normals point outwards, depth is the distance to its surface.

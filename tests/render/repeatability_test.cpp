@@ -42,6 +42,8 @@ bool same_bits(const AlignedArray<T>& a, const AlignedArray<T>& b)
         return ::testing::AssertionFailure() << "colours differ";
     if (!same_bits(a.color_sum_squares(), b.color_sum_squares()))
         return ::testing::AssertionFailure() << "squares differ";
+    if (!same_bits(a.block_begin(), b.block_begin()))
+        return ::testing::AssertionFailure() << "blocks differ";
     if (!same_bits(a.features(), b.features()))
         return ::testing::AssertionFailure() << "features differ";
     return ::testing::AssertionSuccess();
@@ -132,17 +134,18 @@ TEST(Repeatability, CancelledPassesLeaveNoTrace)
 TEST(Repeatability, RestoredFilmGoesOnAsIfNothingHappened)
 {
     const SessionInput input = ct_scene();
-    const auto straight = test::rendered(input, 5);
-    const auto first = test::rendered(input, 2);
+    const auto straight = test::rendered(input, 37); // two blocks and some
+    const auto first = test::rendered(input, 21);
     Film saved(input.image.width, input.image.height);
     std::copy(first->film().color_sum().begin(), first->film().color_sum().end(), saved.color_sum().begin());
     std::copy(first->film().color_sum_squares().begin(), first->film().color_sum_squares().end(),
               saved.color_sum_squares().begin());
+    std::copy(first->film().block_begin().begin(), first->film().block_begin().end(), saved.block_begin().begin());
     std::copy(first->film().features().begin(), first->film().features().end(), saved.features().begin());
-    saved.set_samples(2);
+    saved.set_samples(21);
     Session resumed(input, make_cpu_backend());
     resumed.restore_film(std::move(saved));
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 16; ++i)
         resumed.render_pass();
     EXPECT_TRUE(same_film(straight->film(), resumed.film()));
     EXPECT_ANY_THROW(resumed.restore_film(Film(3, 4)));
@@ -181,6 +184,29 @@ TEST(Repeatability, TheSeedAndTheSampleChangeTheNoise)
 }
 
 // Every setter between passes gives what a fresh session gives, in any order.
+// Many shadow rays a camera ray: their streams fill up in other ways.
+TEST(Repeatability, SameBitsForAnyNumberOfShadowRaysAndThreads)
+{
+    const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+    for (const int shadow_rays : {3, 4, 64}) {
+        for (const RandomNumbers numbers : {RandomNumbers::independent, RandomNumbers::stratified}) {
+            for (const std::string& isa : available_isas()) {
+                SessionInput input = ct_scene();
+                if (shadow_rays == 4) // tiles of the other size
+                    input.image = {300, 257, true};
+                input.render.shadow_rays = shadow_rays;
+                input.render.random_numbers = numbers;
+                std::unique_ptr<Session> one, other;
+                tbb::task_arena(1).execute([&] { one = test::rendered(input, 2, isa); });
+                tbb::task_arena(2).execute([&] { other = test::rendered(input, 2, isa); });
+                EXPECT_TRUE(same_film(one->film(), other->film())) << shadow_rays << " shadow rays, " << isa;
+                EXPECT_EQ(one->stats().counts.shadow_rays, other->stats().counts.shadow_rays);
+                EXPECT_EQ(one->stats().counts.camera_steps, other->stats().counts.camera_steps);
+            }
+        }
+    }
+}
+
 TEST(Repeatability, SettersLeaveNothingStale)
 {
     const SessionInput start = ct_scene();
@@ -243,6 +269,8 @@ TEST(Repeatability, RefusesWhatMakesNoSense)
     refuses([](SessionInput& i) { i.visibility.epsilon = 0.0; });
     refuses([](SessionInput& i) { i.visibility.epsilon = 1e-50; }); // zero in single precision: light would be lost
     refuses([](SessionInput& i) { i.visibility.epsilon = std::nan(""); });
+    refuses([](SessionInput& i) { i.render.shadow_rays = 65; });
+    refuses([](SessionInput& i) { i.render.shadow_rays = -1; });
     EXPECT_ANY_THROW(make_cpu_backend("sse9"));
     Session session(input, backend);
     EXPECT_ANY_THROW(session.replace_visibility(VisibilityGrid({8, 8, 8}, 4, 8)));

@@ -26,6 +26,7 @@ Film some_film()
     for (std::size_t i = 0; i < film.color_sum().size(); ++i) {
         film.color_sum()[i] = 0.1 * static_cast<double>(i);
         film.color_sum_squares()[i] = 0.01 * static_cast<double>(i * i);
+        film.block_begin()[i] = 0.07 * static_cast<double>(i);
     }
     for (std::size_t i = 0; i < film.features().size(); ++i)
         film.features()[i] = 1.0F / static_cast<float>(i + 1);
@@ -65,6 +66,7 @@ void expect_same(const Film& a, const Film& b)
     EXPECT_EQ(std::memcmp(a.color_sum().data(), b.color_sum().data(), a.color_sum().bytes()), 0);
     EXPECT_EQ(std::memcmp(a.color_sum_squares().data(), b.color_sum_squares().data(), a.color_sum_squares().bytes()),
               0);
+    EXPECT_EQ(std::memcmp(a.block_begin().data(), b.block_begin().data(), a.block_begin().bytes()), 0);
     EXPECT_EQ(std::memcmp(a.features().data(), b.features().data(), a.features().bytes()), 0);
 }
 
@@ -156,7 +158,13 @@ TEST(FingerprintOf, TellsEveryInputApart)
     EXPECT_EQ(changed([](SessionInput& i) { i.image.show_environment = false; }), "show_environment (false, not true)");
     EXPECT_EQ(changed([](SessionInput& i) { i.render.seed = 5; }), "seed (5, not 0)");
     EXPECT_EQ(changed([](SessionInput& i) { i.render.strategy = Strategy::uniform; }),
-              "strategy (uniform, not two-step)");
+              "random_numbers (independent, not stratified), shadow_rays (1, not 4), strategy (uniform, not auto)");
+    EXPECT_EQ(changed([](SessionInput& i) { i.render.shadow_rays = 5; }), "shadow_rays (5, not 4)");
+    EXPECT_EQ(changed([](SessionInput& i) { i.render.random_numbers = RandomNumbers::independent; }),
+              "random_numbers (independent, not stratified)");
+    // What automatic stands for may as well be written out.
+    EXPECT_EQ(changed([](SessionInput& i) { i.render.shadow_rays = automatic_shadow_rays; }), "");
+    EXPECT_EQ(changed([](SessionInput& i) { i.render.random_numbers = RandomNumbers::stratified; }), "");
     EXPECT_EQ(changed([](SessionInput& i) { i.visibility.cell = 2; }), "visibility settings");
     EXPECT_EQ(changed([](SessionInput& i) {
                   i.transfer_function = TransferFunction({{0, 2, {1, 1, 1}}});

@@ -25,7 +25,8 @@ constexpr const char* full_scene = R"({
   "camera": {"position": [0, -500, 100], "target": [0, 0, 0], "up": [0, 0, 1], "vertical_fov_deg": 35,
              "lens_radius": 0.5, "focus_distance": 500},
   "image": {"width": 320, "height": 200, "show_environment": false},
-  "render": {"strategy": "combined", "samples": 16, "seed": 18446744073709551615},
+  "render": {"strategy": "combined", "samples": 16, "seed": 18446744073709551615,
+             "random_numbers": "stratified", "shadow_rays": 12},
   "visibility": {"directions": 16, "cell": 8, "rays": 256, "filter": "full-angle", "oversampling": 4, "epsilon": 0.02} /* end */
 })";
 
@@ -64,6 +65,8 @@ TEST(SceneFile, ReadsEveryEntry)
     EXPECT_FALSE(scene.image.show_environment);
     EXPECT_EQ(scene.render.strategy, Strategy::combined);
     EXPECT_EQ(scene.render.seed, 18446744073709551615U);
+    EXPECT_EQ(scene.render.random_numbers, RandomNumbers::stratified);
+    EXPECT_EQ(scene.render.shadow_rays, 12);
     EXPECT_EQ(std::get<StopSamples>(scene.stop).samples, 16);
     EXPECT_EQ(scene.visibility.rays, 256);
     EXPECT_EQ(scene.visibility.filter, SweepFilter::full_angle);
@@ -71,10 +74,43 @@ TEST(SceneFile, ReadsEveryEntry)
 
 TEST(SceneFile, StrategyNamesAreTheLibrarys)
 {
-    for (const Strategy strategy :
-         {Strategy::uniform, Strategy::environment, Strategy::visibility, Strategy::combined, Strategy::two_step})
+    for (const Strategy strategy : {Strategy::uniform, Strategy::environment, Strategy::visibility, Strategy::combined,
+                                    Strategy::two_step, Strategy::automatic})
         EXPECT_EQ(parsed(fmt::format(R"({{"render": {{"strategy": "{}"}}}})", name_of(strategy))).render.strategy,
                   strategy);
+}
+
+TEST(SceneFile, RandomNumbersAndShadowRays)
+{
+    const auto numbers = [](const char* name) {
+        return parsed(fmt::format(R"({{"render": {{"random_numbers": "{}"}}}})", name)).render.random_numbers;
+    };
+    EXPECT_EQ(numbers("auto"), RandomNumbers::automatic);
+    EXPECT_EQ(numbers("independent"), RandomNumbers::independent);
+    EXPECT_EQ(numbers("stratified"), RandomNumbers::stratified);
+    const auto rays = [](const char* value) {
+        return parsed(fmt::format(R"({{"render": {{"shadow_rays": {}}}}})", value)).render.shadow_rays;
+    };
+    EXPECT_EQ(rays("\"auto\""), 0);
+    for (int n = 1; n <= 64; ++n)
+        EXPECT_EQ(rays(std::to_string(n).c_str()), n);
+    // Overrides take back what the file says.
+    const RenderSettings render =
+        parsed(full_scene, {{"render.shadow_rays", "auto"}, {"render.random_numbers", "auto"}}).render;
+    EXPECT_EQ(render.shadow_rays, 0);
+    EXPECT_EQ(render.random_numbers, RandomNumbers::automatic);
+}
+
+TEST(SceneFile, WritesRandomNumbersAndShadowRays)
+{
+    EXPECT_THAT(scene_to_json(parsed("{}")), HasSubstr("\"strategy\": \"auto\""));
+    EXPECT_THAT(scene_to_json(parsed("{}")), HasSubstr("\"random_numbers\": \"auto\""));
+    EXPECT_THAT(scene_to_json(parsed("{}")), HasSubstr("\"shadow_rays\": \"auto\""));
+    EXPECT_THAT(scene_to_json(parsed(full_scene)), HasSubstr("\"random_numbers\": \"stratified\""));
+    EXPECT_THAT(scene_to_json(parsed(full_scene)), HasSubstr("\"shadow_rays\": 12"));
+    const RenderSettings again = parsed(scene_to_json(parsed(full_scene))).render;
+    EXPECT_EQ(again.random_numbers, RandomNumbers::stratified);
+    EXPECT_EQ(again.shadow_rays, 12);
 }
 
 TEST(SceneFile, DefaultsAreTheContracts)
@@ -85,7 +121,9 @@ TEST(SceneFile, DefaultsAreTheContracts)
     EXPECT_TRUE(std::holds_alternative<SkySettings>(scene.environment.light));
     EXPECT_FALSE(scene.camera.position);
     EXPECT_EQ(scene.image.width, 512);
-    EXPECT_EQ(scene.render.strategy, Strategy::two_step);
+    EXPECT_EQ(scene.render.strategy, Strategy::automatic);
+    EXPECT_EQ(scene.render.random_numbers, RandomNumbers::automatic);
+    EXPECT_EQ(scene.render.shadow_rays, 0);
     EXPECT_EQ(std::get<StopSamples>(scene.stop).samples, 64);
     EXPECT_EQ(scene.visibility.directions, 8);
     EXPECT_EQ(scene.visibility.cell, 4);
@@ -180,6 +218,16 @@ INSTANTIATE_TEST_SUITE_P(
                 "render.strategy: \"twostep\" is not known (give one of uniform"},
         Refused{R"({"render": {"seed": -1}})", "render.seed"},
         Refused{R"({"render": {"seed": 18446744073709551616}})", "render.seed"},
+        Refused{R"({"render": {"shadow_rays": 0}})",
+                "render.shadow_rays: 0 is out of range (give a whole number from 1 to 64)"},
+        Refused{R"({"render": {"shadow_rays": 65}})", "render.shadow_rays: 65 is out of range"},
+        Refused{R"({"render": {"shadow_rays": -1}})", "render.shadow_rays: -1 is out of range"},
+        Refused{R"({"render": {"shadow_rays": 2.5}})", "render.shadow_rays: 2.5 is out of range"},
+        Refused{R"({"render": {"shadow_rays": "many"}})", "render.shadow_rays: must be \"auto\" or a whole number"},
+        Refused{R"({"render": {"shadow_rays": true}})", "render.shadow_rays: must be \"auto\" or a whole number"},
+        Refused{R"({"render": {"random_numbers": "sobol"}})",
+                "render.random_numbers: \"sobol\" is not known (give one of auto, independent, stratified)"},
+        Refused{R"({"render": {"random_numbers": 1}})", "render.random_numbers"},
         Refused{R"({"visibility": {"directions": 7}})", "visibility.directions: 7 is no power of two"},
         Refused{R"({"visibility": {"cell": 65}})", "visibility.cell"},
         Refused{R"({"visibility": {"oversampling": 2}})", "visibility.oversampling"},

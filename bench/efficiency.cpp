@@ -153,14 +153,10 @@ Reference make_reference(const SessionInput& input, int samples, std::uint64_t s
             for (std::size_t c = 0; c < 3; ++c)
                 reference.albedo[3 * p + c] += 0.5F * features[c] / static_cast<float>(half);
             reference.covered[p] += 0.5F * features[7] / static_cast<float>(half);
-            const double* s = film.color_sum().data() + 3 * p;
-            const double* q = film.color_sum_squares().data() + 3 * p;
             // Channels of a sample are almost perfectly correlated: standard deviations add.
-            const auto deviation = [&](int c) {
-                return std::sqrt(std::max(q[c] / half - s[c] * s[c] / half / half, 0.0));
-            };
+            const auto deviation = [&](std::size_t c) { return std::sqrt(film.unbiased_variance_of_mean(3 * p + c)); };
             const double d = luminance(deviation(0), deviation(1), deviation(2));
-            variance_of_sum += 0.25 * d * d / half;
+            variance_of_sum += 0.25 * d * d;
         }
     }
     reference.own_mse /= static_cast<double>(3 * pixels);

@@ -95,6 +95,7 @@ void measure_on_one_thread(benchmark::State& state, const SessionInput& input, c
     SessionInput dark = input;
     dark.transfer_function = without_albedo(input.transfer_function);
     SessionInput dark_uniform = dark;
+    dark_uniform.render = dark.render.resolved(); // as many collisions, numbers of the same kind
     dark_uniform.render.strategy = Strategy::uniform;
     Timed full(input, c.isa), camera(dark, c.isa), uniform(dark_uniform, c.isa);
     for (auto _ : state) {

@@ -23,9 +23,9 @@ public:
     /// One sample of every pixel into color [pixels][3]. On the calling thread.
     void render_pass(std::uint64_t seed, std::span<float> color) const;
 
-    /// Voxels along the side of a majorant cell. Over the scenes of bench/scenes.h cells of 4 take 0.89 of the time in
-    /// the geometric mean and cells of 16 take 1.42 times as long; pbrt-v4 has 16 cells along each side of a volume.
-    static constexpr int majorant_cell = 8;
+    /// Voxels along the side of a majorant cell. Over the scenes of bench/scenes.h cells of 8 take 1.12 times as
+    /// long in the geometric mean and cells of 16 1.6 times; pbrt-v4 has 16 cells along each side of a volume.
+    static constexpr int majorant_cell = 4;
 
 private:
     struct Ray {

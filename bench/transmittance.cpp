@@ -76,6 +76,7 @@ public:
             key_ = {medium, strategy};
             SessionInput input = *input_;
             input.render.strategy = strategy;
+            input.render.shadow_rays = 1; // what the arrays of rays have room for
             result_ = study_transmittance(std::move(input), size_);
         }
         return *result_;

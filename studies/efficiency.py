@@ -30,6 +30,7 @@ STRATEGIES = {
     "visibility": ["render.strategy=visibility"],
     "combined": ["render.strategy=combined"],
     "two-step": ["render.strategy=two-step"],
+    "auto": ["render.strategy=auto"],
 }
 SCALAR = "scalar"
 REFERENCE = ["render.strategy=two-step"]

@@ -44,7 +44,7 @@ def main():
     for scene in SCENES:
         for light in LIGHTS:
             baseline = noise(options, scene, light, ["--strategy", "environment"])
-            ratios = [(baseline / noise(options, scene, light, ["--set", f"visibility.filter={kind}", "--set",
+            ratios = [(baseline / noise(options, scene, light, ["--strategy", "two-step", "--set", f"visibility.filter={kind}", "--set",
                                                                 f"visibility.epsilon={epsilon}"])) ** 2
                       for kind, epsilon in SETTINGS]
             all_ratios.append(ratios)

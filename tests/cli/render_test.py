@@ -58,9 +58,9 @@ class Render(ProgramTest):
             self.assertGreater(stats["memory_bytes"][key], 0)
         self.assertEqual(stats["strategy"], "auto")
         self.assertEqual(stats["random_numbers"], "stratified")
-        self.assertEqual(stats["shadow_rays"]["per_camera_ray"], 4)
+        self.assertEqual(stats["shadow_rays"]["per_camera_ray"], 3)
         self.assertGreater(stats["shadow_rays"]["traced"], 0)
-        self.assertLessEqual(stats["shadow_rays"]["traced"], 4 * stats["paths"])
+        self.assertLessEqual(stats["shadow_rays"]["traced"], 3 * stats["paths"])
         self.assertGreater(stats["steps"]["camera"], 0)
         self.assertGreater(stats["noise"], 0.0)
 
@@ -72,8 +72,8 @@ class Render(ProgramTest):
         papers = stats("--strategy", "two-step")
         self.assertEqual((papers["random_numbers"], papers["shadow_rays"]["per_camera_ray"]), ("independent", 1))
         self.assertLessEqual(papers["shadow_rays"]["traced"], papers["paths"])
-        ours = stats("--strategy", "two-step", "--set", "render.random_numbers=stratified", "--set", "render.shadow_rays=4")
-        self.assertEqual((ours["random_numbers"], ours["shadow_rays"]["per_camera_ray"]), ("stratified", 4))
+        ours = stats("--strategy", "two-step", "--set", "render.random_numbers=stratified", "--set", "render.shadow_rays=3")
+        self.assertEqual((ours["random_numbers"], ours["shadow_rays"]["per_camera_ray"]), ("stratified", 3))
         # Automatic is two-step's density with these settings.
         pixels = read_exr(self.folder / "out.exr")[1]
         self.assertEqual(self.pixels(), pixels)

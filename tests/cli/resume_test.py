@@ -65,7 +65,7 @@ class Resume(ProgramTest):
         small = ("--width", "20", "--height", "20", "--samples", "2", "-o", "o.exr", "-q")
         self.expect_success("render", "scene.json", *small, "--checkpoint", "c.ckpt")
         self.expect_failure(1, "another seed (0, not 4)", "render", "scene.json", *small, "--seed", "4", "--resume", "c.ckpt")
-        self.expect_failure(1, "another shadow_rays (4, not 5)", "render", "scene.json", *small, "--set", "render.shadow_rays=5", "--resume",
+        self.expect_failure(1, "another shadow_rays (3, not 5)", "render", "scene.json", *small, "--set", "render.shadow_rays=5", "--resume",
                             "c.ckpt")
         self.expect_failure(1, "another random_numbers (stratified, not independent)", "render", "scene.json", *small, "--set",
                             "render.random_numbers=independent", "--resume", "c.ckpt")

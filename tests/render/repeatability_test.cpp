@@ -42,7 +42,7 @@ bool same_bits(const AlignedArray<T>& a, const AlignedArray<T>& b)
         return ::testing::AssertionFailure() << "colours differ";
     if (!same_bits(a.color_sum_squares(), b.color_sum_squares()))
         return ::testing::AssertionFailure() << "squares differ";
-    if (!same_bits(a.block_begin(), b.block_begin()))
+    if (!same_bits(a.block_sum_squares(), b.block_sum_squares()) || !same_bits(a.block_begin(), b.block_begin()))
         return ::testing::AssertionFailure() << "blocks differ";
     if (!same_bits(a.features(), b.features()))
         return ::testing::AssertionFailure() << "features differ";
@@ -140,6 +140,8 @@ TEST(Repeatability, RestoredFilmGoesOnAsIfNothingHappened)
     std::copy(first->film().color_sum().begin(), first->film().color_sum().end(), saved.color_sum().begin());
     std::copy(first->film().color_sum_squares().begin(), first->film().color_sum_squares().end(),
               saved.color_sum_squares().begin());
+    std::copy(first->film().block_sum_squares().begin(), first->film().block_sum_squares().end(),
+              saved.block_sum_squares().begin());
     std::copy(first->film().block_begin().begin(), first->film().block_begin().end(), saved.block_begin().begin());
     std::copy(first->film().features().begin(), first->film().features().end(), saved.features().begin());
     saved.set_samples(21);

@@ -91,7 +91,7 @@ inline Estimate overall(const Film& film, int color = 0)
     const auto pixels = static_cast<std::size_t>(film.width()) * static_cast<std::size_t>(film.height());
     for (std::size_t p = 0; p < pixels; ++p) {
         sum += film.color_sum()[3 * p + static_cast<std::size_t>(color)];
-        variance += film.variance_of_mean(3 * p + static_cast<std::size_t>(color));
+        variance += film.unbiased_variance_of_mean(3 * p + static_cast<std::size_t>(color));
     }
     const auto n = static_cast<double>(pixels);
     return {sum / n / static_cast<double>(film.samples()), std::sqrt(variance) / n};

@@ -16,21 +16,28 @@ std::size_t pixels_of(int width, int height)
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-constexpr std::int64_t samples_before_blocks = 2 * samples_a_block;
+/// From the sum and the sum of squares of n equal, independent parts.
+double variance_of_part(double sum, double sum_squares, double n)
+{
+    return std::max(sum_squares - sum * sum / n, 0.0) / (n - 1.0);
+}
+
+/// Blocks from which the variance of a single pixel is taken.
+constexpr std::int64_t enough_blocks = 8;
 
 } // namespace
 
 std::uint64_t Film::bytes_needed(int width, int height)
 {
-    constexpr std::uint64_t film = 9 * sizeof(double) + feature_count * sizeof(float);
+    constexpr std::uint64_t film = 12 * sizeof(double) + feature_count * sizeof(float);
     constexpr std::uint64_t samples = (3 + feature_count) * sizeof(float);
     return pixels_of(width, height) * (film + samples);
 }
 
 Film::Film(int width, int height)
     : width_(width), height_(height), color_sum_(pixels_of(width, height) * 3),
-      color_sum_squares_(pixels_of(width, height) * 3), block_begin_(pixels_of(width, height) * 3),
-      features_(pixels_of(width, height) * feature_count)
+      color_sum_squares_(pixels_of(width, height) * 3), block_sum_squares_(pixels_of(width, height) * 3),
+      block_begin_(pixels_of(width, height) * 3), features_(pixels_of(width, height) * feature_count)
 {
 }
 
@@ -39,6 +46,7 @@ void Film::clear()
     samples_ = 0;
     std::fill(color_sum_.begin(), color_sum_.end(), 0.0);
     std::fill(color_sum_squares_.begin(), color_sum_squares_.end(), 0.0);
+    std::fill(block_sum_squares_.begin(), block_sum_squares_.end(), 0.0);
     std::fill(block_begin_.begin(), block_begin_.end(), 0.0);
     std::fill(features_.begin(), features_.end(), 0.0F);
 }
@@ -46,23 +54,19 @@ void Film::clear()
 void Film::add(const SampleView& samples)
 {
     const std::int64_t after = samples_ + 1;
-    const bool single = after < samples_before_blocks, ends_block = after % samples_a_block == 0;
+    const bool ends_block = after % samples_a_block == 0;
     const std::size_t row = static_cast<std::size_t>(width_);
     parallel_for(0, height_, [&](int y) {
         const std::size_t first = static_cast<std::size_t>(y) * row;
         for (std::size_t i = first * 3; i < (first + row) * 3; ++i) {
             const double c = samples.color[i];
             color_sum_[i] += c;
+            color_sum_squares_[i] += c * c;
             samples.color[i] = 0.0F;
-            if (single)
-                color_sum_squares_[i] += c * c;
             if (!ends_block)
                 continue;
             const double block = color_sum_[i] - block_begin_[i];
-            if (after == samples_before_blocks)
-                color_sum_squares_[i] = block_begin_[i] * block_begin_[i] + block * block;
-            else if (!single)
-                color_sum_squares_[i] += block * block;
+            block_sum_squares_[i] += block * block;
             block_begin_[i] = color_sum_[i];
         }
         for (std::size_t i = first * feature_count; i < (first + row) * feature_count; ++i) {
@@ -75,14 +79,20 @@ void Film::add(const SampleView& samples)
 
 double Film::variance_of_mean(std::size_t i) const
 {
-    // The sum and the sum of squares of n equal, independent parts.
-    const bool blocks = samples_ >= samples_before_blocks;
-    const double n = static_cast<double>(blocks ? samples_ / samples_a_block : samples_);
-    const double sum = blocks ? block_begin_[i] : color_sum_[i];
-    const double variance_of_part = std::max(color_sum_squares_[i] - sum * sum / n, 0.0) / (n - 1.0);
+    const auto n = static_cast<double>(samples_);
+    if (draws_ == Draws::stratified && samples_ >= enough_blocks * samples_a_block)
+        return unbiased_variance_of_mean(i);
+    return variance_of_part(color_sum_[i], color_sum_squares_[i], n) / n;
+}
+
+double Film::unbiased_variance_of_mean(std::size_t i) const
+{
+    const std::int64_t blocks = samples_ / samples_a_block;
+    if (draws_ == Draws::independent || blocks < 2)
+        return variance_of_mean(i);
     // All samples make the mean, those of the block under way as well.
-    const double samples_a_part = blocks ? static_cast<double>(samples_a_block) : 1.0;
-    return variance_of_part / samples_a_part / static_cast<double>(samples_);
+    return variance_of_part(block_begin_[i], block_sum_squares_[i], static_cast<double>(blocks)) /
+           static_cast<double>(samples_a_block) / static_cast<double>(samples_);
 }
 
 double Film::noise() const
@@ -94,8 +104,9 @@ double Film::noise() const
     for (std::size_t i = 0; i < color_sum_.size(); i += 3) {
         const double* s = color_sum_.data() + i;
         // Channels of a sample are almost perfectly correlated, so standard deviations add, weighted by luminance.
-        const double deviation = luminance(std::sqrt(variance_of_mean(i)), std::sqrt(variance_of_mean(i + 1)),
-                                           std::sqrt(variance_of_mean(i + 2)));
+        const double deviation =
+            luminance(std::sqrt(unbiased_variance_of_mean(i)), std::sqrt(unbiased_variance_of_mean(i + 1)),
+                      std::sqrt(unbiased_variance_of_mean(i + 2)));
         variance += deviation * deviation;
         mean += luminance(s[0], s[1], s[2]) / n;
     }

@@ -7,8 +7,14 @@
 
 namespace lumisweep {
 
+/// How a pixel's samples are drawn (RenderSettings, resolved).
+enum class Draws { independent, stratified };
+
+/// Shadow rays a camera ray at most.
+inline constexpr int most_shadow_rays = 64;
+
 /// Samples of a pixel that are stratified together; between such blocks they are independent, which is what the film's
-/// variance is taken from. At 4 shadow rays a collision, 16 leave 3 % more squared error than 128 (CT head, 128
+/// variance is taken from. At 4 shadow rays a camera ray, 16 leave 3 % more squared error than 128 (CT head, 128
 /// samples).
 inline constexpr std::int64_t samples_a_block = 16;
 

@@ -5,9 +5,10 @@
 
 #include "lumisweep/math/random.h"
 #include "lumisweep/render/camera_view.h"
+#include "lumisweep/render/pass.h"
 #include "lumisweep/sampling/direction_sampling.h"
 #include "lumisweep/volume/grid_view.h"
-#include "lumisweep/volume/majorant_grid.h"
+#include "lumisweep/volume/majorant_view.h"
 #include "lumisweep/volume/scalar_grid.h"
 #include "lumisweep/volume/transfer_function_view.h"
 
@@ -33,9 +34,6 @@ struct Linear3f {
 };
 
 enum class BackgroundLight { shown, hidden };
-
-/// How a pixel's samples are drawn (RenderSettings, resolved).
-enum class Draws { independent, stratified };
 
 struct SceneView {
     VoxelType voxel_type = VoxelType::u8;

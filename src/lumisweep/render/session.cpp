@@ -32,7 +32,7 @@ void Session::set_volume(std::shared_ptr<const ScalarGrid> volume)
     state_->stats.volume_bytes = state_->input.volume->bytes();
     state_->drop_sweep();
     state_->stale_bounds = state_->stale_majorants = state_->stale_joint = true;
-    state_->film.clear();
+    state_->restart_film();
 }
 
 void Session::set_transfer_function(TransferFunction transfer_function)
@@ -41,7 +41,7 @@ void Session::set_transfer_function(TransferFunction transfer_function)
     state_->input.transfer_function = std::move(transfer_function);
     state_->drop_sweep();
     state_->stale_majorants = true;
-    state_->film.clear();
+    state_->restart_film();
     state_->sweep_in_background();
 }
 
@@ -51,14 +51,14 @@ void Session::set_environment(std::shared_ptr<const Environment> environment)
     state_->input.environment = std::move(environment);
     state_->use_environment();
     state_->stale_joint = true;
-    state_->film.clear();
+    state_->restart_film();
 }
 
 void Session::set_camera(const Camera& camera)
 {
     camera.validate();
     state_->input.camera = camera;
-    state_->film.clear();
+    state_->restart_film();
 }
 
 void Session::set_image(const ImageSettings& image)
@@ -76,7 +76,7 @@ void Session::set_render(const RenderSettings& render)
     const Strategy before = state_->strategy();
     state_->input.render = render;
     state_->stale_joint = state_->stale_joint || state_->strategy() != before;
-    state_->film.clear();
+    state_->restart_film();
 }
 
 void Session::set_visibility(const VisibilitySettings& visibility)
@@ -93,7 +93,7 @@ void Session::set_visibility(const VisibilitySettings& visibility)
     state_->input.visibility = visibility;
     state_->use_environment();
     state_->stale_joint = true;
-    state_->film.clear();
+    state_->restart_film();
     state_->sweep_in_background();
 }
 
@@ -191,6 +191,7 @@ void Session::restore_film(Film film)
     require(film.width() == state_->input.image.width && film.height() == state_->input.image.height,
             "checkpoint: its image is {} × {}, not {} × {}", film.width(), film.height(), state_->input.image.width,
             state_->input.image.height);
+    film.set_draws(state_->film.draws());
     state_->film = std::move(film);
 }
 

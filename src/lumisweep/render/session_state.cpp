@@ -32,13 +32,18 @@ bool Session::State::needs_joint() const
 
 std::uint64_t Session::State::grid_bytes() const { return joint.bytes() + stats.visibility_bytes; }
 
+void Session::State::restart_film()
+{
+    film.clear();
+    const bool stratified = input.render.resolved().random_numbers == RandomNumbers::stratified;
+    film.set_draws(stratified ? Draws::stratified : Draws::independent);
+}
+
 void Session::State::resize_film()
 {
-    if (film.width() == input.image.width && film.height() == input.image.height) {
-        film.clear();
-        return;
-    }
-    film = Film(input.image.width, input.image.height);
+    if (film.width() != input.image.width || film.height() != input.image.height)
+        film = Film(input.image.width, input.image.height);
+    restart_film();
     const std::size_t pixels =
         static_cast<std::size_t>(input.image.width) * static_cast<std::size_t>(input.image.height);
     sample_color = AlignedArray<float>(pixels * 3);
@@ -71,7 +76,7 @@ SceneView Session::State::view() const
     view.camera = camera_view(input.camera, input.image, volume);
     view.background = input.image.show_environment ? BackgroundLight::shown : BackgroundLight::hidden;
     const RenderSettings render = input.render.resolved();
-    view.draws = render.random_numbers == RandomNumbers::stratified ? Draws::stratified : Draws::independent;
+    view.draws = film.draws();
     view.shadow_rays = render.shadow_rays;
     view.seed = render.seed;
     return view;

@@ -49,6 +49,8 @@ struct Session::State {
     std::uint64_t grid_bytes() const;
 
     void resize_film();
+    /// Empties the film.
+    void restart_film();
     void use_environment();
     SceneView view() const;
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "lumisweep/math/vec.h"
+#include "lumisweep/render/pass.h"
 #include "lumisweep/sampling/strategy.h"
 
 namespace lumisweep {
@@ -52,7 +53,6 @@ struct RenderSettings {
     RenderSettings resolved() const;
 };
 
-inline constexpr int most_shadow_rays = 64;
 inline constexpr int automatic_shadow_rays = 3;
 
 } // namespace lumisweep

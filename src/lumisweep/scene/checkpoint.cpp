@@ -148,6 +148,7 @@ void write_checkpoint(const fs::path& file, const Film& film, const Fingerprint&
         out.write(header.data(), header.size());
         out.write(film.color_sum().data(), film.color_sum().bytes());
         out.write(film.color_sum_squares().data(), film.color_sum_squares().bytes());
+        out.write(film.block_sum_squares().data(), film.block_sum_squares().bytes());
         out.write(film.block_begin().data(), film.block_begin().bytes());
         out.write(film.features().data(), film.features().bytes());
         const std::uint64_t hash = out.hash();
@@ -181,7 +182,7 @@ Film read_checkpoint(const fs::path& file, const Fingerprint& expected)
             file.string(), differing);
 
     const auto pixels = static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
-    const std::uint64_t film_bytes = pixels * (9 * sizeof(double) + Film::feature_count * sizeof(float));
+    const std::uint64_t film_bytes = pixels * (12 * sizeof(double) + Film::feature_count * sizeof(float));
     std::error_code error;
     require(fs::file_size(file, error) == preamble_bytes + text.size() + film_bytes + sizeof(std::uint64_t),
             "{}: the checkpoint is cut short or too long (render again without --resume)", file.string());
@@ -189,6 +190,7 @@ Film read_checkpoint(const fs::path& file, const Fingerprint& expected)
     Film film(header.width, header.height);
     in.read(film.color_sum().data(), film.color_sum().bytes());
     in.read(film.color_sum_squares().data(), film.color_sum_squares().bytes());
+    in.read(film.block_sum_squares().data(), film.block_sum_squares().bytes());
     in.read(film.block_begin().data(), film.block_begin().bytes());
     in.read(film.features().data(), film.features().bytes());
     const std::uint64_t hash = in.hash();

@@ -2,7 +2,7 @@
 //
 // The file is replaced at once (written beside, flushed to disk, renamed), so that a kill at any moment leaves the
 // newest whole checkpoint. Layout, little-endian: "LUMICKPT", u32 format version, u32 header bytes, header (JSON:
-// width, height, samples, fingerprint), the film's four arrays, u64 hash of everything before it.
+// width, height, samples, fingerprint), the film's five arrays, u64 hash of everything before it.
 #pragma once
 
 #include <condition_variable>

@@ -26,8 +26,10 @@ void copy_film(const Film& from, Film& to)
         to = Film(from.width(), from.height());
     std::copy(from.color_sum().begin(), from.color_sum().end(), to.color_sum().begin());
     std::copy(from.color_sum_squares().begin(), from.color_sum_squares().end(), to.color_sum_squares().begin());
+    std::copy(from.block_sum_squares().begin(), from.block_sum_squares().end(), to.block_sum_squares().begin());
     std::copy(from.block_begin().begin(), from.block_begin().end(), to.block_begin().begin());
     std::copy(from.features().begin(), from.features().end(), to.features().begin());
+    to.set_draws(from.draws());
     to.set_samples(from.samples());
 }
 

@@ -37,6 +37,28 @@ struct Extremes {
     }
 };
 
+/// The range that steps are spent on: the data's without a fill value far from everything else ("nothing here"), which
+/// would leave one step for all that matters. Judged by every so many voxels; what lies beyond counts as an end.
+RawRange usual_range(const float* voxels, std::size_t count, const RawRange& range)
+{
+    constexpr std::size_t looks = 65536;
+    constexpr float far = 16.0F; // times the range of all other values
+    std::vector<float> values;
+    for (std::size_t i = 0; i < count; i += std::max<std::size_t>(count / looks, 1))
+        if (std::isfinite(voxels[i]))
+            values.push_back(voxels[i]);
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    RawRange usual = range;
+    if (const std::size_t n = values.size(); n > 2) {
+        if ((values[1] - values[0]) / far > values[n - 1] - values[1])
+            usual.low = values[1];
+        else if ((values[n - 1] - values[n - 2]) / far > values[n - 2] - values[0])
+            usual.high = values[n - 2];
+    }
+    return usual;
+}
+
 struct Range {
     int begin, end;
 };
@@ -73,18 +95,29 @@ BoundsGrid::BoundsGrid(const ScalarGrid& volume)
         using Voxel = std::remove_cv_t<std::remove_pointer_t<decltype(voxels)>>;
         if constexpr (std::is_integral_v<Voxel>) {
             first_ = std::numeric_limits<Voxel>::min();
+            low_end_ = first_;
+            high_end_ = std::numeric_limits<Voxel>::max();
         } else if (const RawRange range = raw_range(volume); !range.empty()) {
-            first_ = static_cast<double>(range.low);
+            low_end_ = static_cast<double>(range.low);
+            high_end_ = static_cast<double>(range.high);
+            const RawRange usual = usual_range(voxels, volume.voxel_count(), range);
+            first_ = static_cast<double>(usual.low);
             // A little more, so that rounding leaves the last step above the range's end.
-            step_ = (static_cast<double>(range.high) - first_) / 65535.0 * (1.0 + 1e-8);
+            step_ = (static_cast<double>(usual.high) - first_) / 65535.0 * (1.0 + 1e-8);
         }
         fill(voxels);
     });
 }
 
-double BoundsGrid::slack(double low, double high) const
+double BoundsGrid::raw(double bound) const
 {
-    return 1e-6 * (std::fabs(low) + std::fabs(high) + std::fabs(intercept_));
+    return bound <= 0.0 ? low_end_ : bound >= 65535.0 ? high_end_ : first_ + step_ * bound;
+}
+
+double BoundsGrid::slack() const
+{
+    const double low = first_ + step_ * range_.low, high = first_ + step_ * range_.high;
+    return 1e-6 * (std::fabs(slope_) * (std::fabs(low) + std::fabs(high)) + std::fabs(intercept_));
 }
 
 std::uint64_t BoundsGrid::bytes_needed(const Vec3i& volume_size)
@@ -111,11 +144,16 @@ void BoundsGrid::fill(const Voxel* voxels)
             const auto bound = [&](double v, double toward) {
                 const double exact = step_ > 0.0 ? std::clamp((v - first_) / step_, 0.0, 65535.0) : 0.0;
                 double b = toward < 0.0 ? std::floor(exact) : std::ceil(exact);
-                if ((first_ + step_ * b - v) * toward < 0.0)
-                    b += toward; // rounding
+                if ((raw(b) - v) * toward < 0.0)
+                    b += toward; // rounding, or beyond the steps
                 return static_cast<std::uint16_t>(std::clamp(b, 0.0, 65535.0));
             };
-            return {bound(static_cast<double>(low), -1.0), bound(static_cast<double>(high), 1.0)};
+            const double l = static_cast<double>(low), h = static_cast<double>(high);
+            const double last = first_ + step_ * 65535.0;
+            // Between data and a value far away interpolation rounds as the far one does, which may be anything here.
+            if ((l < first_ && h >= first_) || (h > last && l <= last))
+                return {0, 65535};
+            return {bound(l, -1.0), bound(h, 1.0)};
         }
     };
     std::mutex mutex;

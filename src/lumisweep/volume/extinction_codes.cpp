@@ -25,13 +25,13 @@ ExtinctionCodes::ExtinctionCodes(const BoundsGrid& bounds, const TransferFunctio
     const int levels = std::bit_width(entries_);
     maxima_.resize(static_cast<std::size_t>(levels) * entries_);
 
+    const double slack = bounds.slack();
     std::vector<double> extinction(entries_);
     parallel_for(
         std::size_t{0}, entries_,
         [&](std::size_t i) {
             const double low = static_cast<double>(lowest_) + static_cast<double>(i / 2);
             const double a = bounds.value(low), b = bounds.value(low + static_cast<double>(i % 2));
-            const double slack = bounds.slack(a, b);
             extinction[i] =
                 transfer_function.max_extinction(std::min(a, b) - slack, std::max(a, b) + slack) * inflation;
         },

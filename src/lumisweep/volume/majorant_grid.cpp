@@ -110,6 +110,7 @@ void MajorantGrid::fill(const BoundsGrid& bounds, const TransferFunction& transf
 void MajorantGrid::fill_smallest(const BoundsGrid& bounds, const TransferFunction& transfer_function)
 {
     smallest_ = AlignedArray<std::uint8_t>(bounds.blocks());
+    const double slack = bounds.slack();
     const double codes_per_extinction = 256.0 / static_cast<double>(largest_) * (1.0 - 1e-5); // lookups round
     parallel_for(
         std::size_t{0}, bounds.blocks(),
@@ -117,7 +118,7 @@ void MajorantGrid::fill_smallest(const BoundsGrid& bounds, const TransferFunctio
             const BoundsGrid::Bounds& b = bounds.block(block);
             if (b.empty())
                 return;
-            const double low = bounds.value(b.low), high = bounds.value(b.high), slack = bounds.slack(low, high);
+            const double low = bounds.value(b.low), high = bounds.value(b.high);
             const double smallest =
                 transfer_function.min_extinction(std::min(low, high) - slack, std::max(low, high) + slack);
             smallest_[block] = static_cast<std::uint8_t>(std::min(smallest * codes_per_extinction, 255.0));

@@ -18,7 +18,8 @@ Vec3i majorant_cells(const Vec3i& volume_size);
 Vec3i majorant_blocks(const Vec3i& volume_size);
 
 /// The smallest and largest finite value that trilinear interpolation can take within each cell and each block, in 16
-/// bits: voxels of 8 and 16 bits as they are, single precision rounded outwards to 65536 steps of the volume's range.
+/// bits: voxels of 8 and 16 bits as they are, single precision rounded outwards to 65536 steps of the volume's range
+/// without fill values.
 class BoundsGrid {
 public:
     struct Bounds {
@@ -39,9 +40,9 @@ public:
     /// Of the whole volume.
     const Bounds& range() const { return range_; }
     /// Data units of a bound, or between two.
-    double value(double bound) const { return slope_ * (first_ + step_ * bound) + intercept_; }
-    /// How far interpolation in single precision may leave the range from `low` to `high` (data units) by rounding.
-    double slack(double low, double high) const;
+    double value(double bound) const { return slope_ * raw(bound) + intercept_; }
+    /// How far interpolation in single precision may leave a cell's range (data units) by rounding.
+    double slack() const;
     /// The side of a block in world units, the geometric mean of its three; the diagonal of the volume.
     double block_side() const { return block_side_; }
     double diagonal() const { return diagonal_; }
@@ -57,7 +58,9 @@ private:
     Vec3i volume_size_{0, 0, 0};
     AlignedArray<Bounds> cells_, blocks_;
     Bounds range_;
-    double first_ = 0.0, step_ = 1.0; // raw = first + step · bound
+    double raw(double bound) const;
+    double first_ = 0.0, step_ = 1.0;       // raw = first + step · bound, but for
+    double low_end_ = 0.0, high_end_ = 0.0; // bounds 0 and 65535, the smallest and the largest value there is
     double slope_ = 1.0, intercept_ = 0.0, block_side_ = 1.0, diagonal_ = 0.0;
     bool has_gaps_ = false;
 };

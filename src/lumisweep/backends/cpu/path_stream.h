@@ -90,6 +90,7 @@ private:
     LUMISWEEP_HD void refill()
     {
         // Every camera ray may yet become shadow_rays paths; shadow rays stay one.
+        static_assert(most_shadow_rays * width <= PathQueue<F>::capacity);
         const int most = scene_.shadow_rays;
         while (next_ < end_ && active_.size + camera_rays_ * (most - 1) + width * most <= PathQueue<F>::capacity) {
             alignas(64) std::int32_t x[width], y[width];

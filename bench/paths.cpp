@@ -95,7 +95,6 @@ void measure_on_one_thread(benchmark::State& state, const SessionInput& input, c
     SessionInput dark = input;
     dark.transfer_function = without_albedo(input.transfer_function);
     SessionInput dark_uniform = dark;
-    dark_uniform.render = dark.render.resolved(); // as many collisions, numbers of the same kind
     dark_uniform.render.strategy = Strategy::uniform;
     Timed full(input, c.isa), camera(dark, c.isa), uniform(dark_uniform, c.isa);
     for (auto _ : state) {
@@ -119,6 +118,10 @@ void measure_on_one_thread(benchmark::State& state, const SessionInput& input, c
     state.counters["collided"] = hits / paths;
     state.counters["camera_steps"] = static_cast<double>(counts.camera_steps) / paths;
     state.counters["shadow_steps"] = static_cast<double>(counts.shadow_steps) / paths;
+    state.counters["advance_utilisation"] =
+        static_cast<double>(counts.advance_steps) / static_cast<double>(counts.advance_lanes);
+    state.counters["candidate_utilisation"] =
+        static_cast<double>(counts.camera_steps + counts.shadow_steps) / static_cast<double>(counts.candidate_lanes);
     state.counters["camera_share"] = uniform.least_s() / full.least_s();
     state.counters["direction_share"] = (camera.least_s() - uniform.least_s()) / full.least_s();
     state.counters["shadow_share"] = 1.0 - camera.least_s() / full.least_s();
@@ -152,10 +155,15 @@ void register_paths(const SceneSources& sources, bool quick)
     const std::vector<std::string> isas = available_isas();
     const auto add = [&](const Case& c, int threads) {
         const auto body = [scenes, c, threads](benchmark::State& state) {
-            const std::optional<SessionInput>& input = scenes->get(c.scene);
-            if (!input)
+            std::optional<SessionInput> input = scenes->get(c.scene);
+            if (!input) {
                 state.SkipWithError("no data (scripts/fetch_data)");
-            else if (threads == 1)
+                return;
+            }
+            // One shadow ray a path, as paths are counted everywhere.
+            input->render = {};
+            input->render.strategy = Strategy::two_step;
+            if (threads == 1)
                 measure_on_one_thread(state, *input, c);
             else
                 measure_on_threads(state, *input, c, threads);

@@ -31,6 +31,8 @@ STRATEGIES = {
     "combined": ["render.strategy=combined"],
     "two-step": ["render.strategy=two-step"],
     "auto": ["render.strategy=auto"],
+    # What of auto's gain is not visibility's.
+    "environment, stratified": ["render.strategy=environment", "render.random_numbers=stratified", "render.shadow_rays=3"],
 }
 SCALAR = "scalar"
 REFERENCE = ["render.strategy=two-step"]

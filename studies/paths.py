@@ -20,11 +20,12 @@ from common import ROOT, StudyError, geometric_mean, markdown_rows
 TEXT = """# Paths a second
 
 A path is a pixel's sample: camera segment, direction, shadow segment; those that miss the volume count, too. Images of 512² pixels, background
-hidden, under the morning sun of the fetched lights (the analytic sky without them), the program's default strategy. One thread, the least
+hidden, under the morning sun of the fetched lights (the analytic sky without them), strategy `two-step`, one shadow ray a path. One thread, the least
 processor time of several passes; 2 threads: wall-clock time.
 
-**camera** is a pass with albedo 0, so without shadow segments, and uniform directions; **direction** what the default strategy adds to
-that pass; **shadow** the rest; each as a share of the whole. **collided**: the share of paths that do. Steps are tentative collisions a path.
+**camera** is a pass with albedo 0, so without shadow segments, and uniform directions; **direction** what two-step adds to
+that pass; **shadow** the rest; each as a share of the whole. **collided**: the share of paths that do. Steps are tentative collisions a path. **lanes in use**: of the
+groups that advance through cells, and of those at tentative collisions.
 
 Measured on {processor}, {cores} cores, commit {commit}, {date}, {minutes:.0f} minutes. {loaded} Regenerate with `studies/paths.py`.
 
@@ -61,14 +62,14 @@ def report(results):
     shares = []
     for scene in scenes:
         run = results.best("paths", scene, best, "threads:1")
-        shares.append([scene, share(run["collided"]), f"{run['camera_steps']:.1f}", f"{run['shadow_steps']:.1f}",
+        shares.append([scene, share(run["collided"]), f"{run['camera_steps']:.1f}", f"{run['shadow_steps']:.1f}", share(run["advance_utilisation"]), share(run["candidate_utilisation"]),
                        *[share(run[f"{part}_share"]) for part in ("camera", "direction", "shadow")]])
     study = results.study
     loaded = ("Other work ran on the machine: 2 threads say nothing, and trust ratios more than speeds."
               if study["load_before"] > 0.5 else "The machine was idle.")
     return TEXT.format(
         **study, loaded=loaded, isa=names[0], speeds=markdown_rows(["scene", *names, f"{names[0]}, 2 threads", "ratio"], speeds),
-        shares=markdown_rows(["scene", "collided", "camera steps", "shadow steps", "camera", "direction", "shadow"], shares))
+        shares=markdown_rows(["scene", "collided", "camera steps", "shadow steps", "lanes in use, advance", "candidate", "camera", "direction", "shadow"], shares))
 
 
 def parse_arguments():

@@ -38,15 +38,19 @@ struct Extremes {
 };
 
 /// The range that steps are spent on: the data's without a fill value far from everything else ("nothing here"), which
-/// would leave one step for all that matters. Judged by every so many voxels; what lies beyond counts as an end.
+/// would leave one step for all that matters. Judged by some voxels, spread so that no lattice favours the volume's
+/// faces; what lies beyond counts as an end.
 RawRange usual_range(const float* voxels, std::size_t count, const RawRange& range)
 {
     constexpr std::size_t looks = 65536;
     constexpr float far = 16.0F; // times the range of all other values
     std::vector<float> values;
-    for (std::size_t i = 0; i < count; i += std::max<std::size_t>(count / looks, 1))
+    for (std::uint64_t k = 0; k < std::min(count, looks); ++k) {
+        // Of many, those at multiples of the golden ratio (modulo 1).
+        const std::size_t i = count <= looks ? k : ((k * 0x9e3779b9U & 0xffffffffU) * count) >> 32;
         if (std::isfinite(voxels[i]))
             values.push_back(voxels[i]);
+    }
     std::sort(values.begin(), values.end());
     values.erase(std::unique(values.begin(), values.end()), values.end());
     RawRange usual = range;
@@ -58,6 +62,10 @@ RawRange usual_range(const float* voxels, std::size_t count, const RawRange& ran
     }
     return usual;
 }
+
+/// Bounds the relative error of lookups in single precision: three interpolations of some 1.2e-7 each, then the value's
+/// slope, intercept and comparison with a knot, 6e-8 each.
+constexpr double rounding = 1e-6;
 
 struct Range {
     int begin, end;
@@ -102,22 +110,36 @@ BoundsGrid::BoundsGrid(const ScalarGrid& volume)
             high_end_ = static_cast<double>(range.high);
             const RawRange usual = usual_range(voxels, volume.voxel_count(), range);
             first_ = static_cast<double>(usual.low);
+            first_bound_ = 1.0;
             // A little more, so that rounding leaves the last step above the range's end.
-            step_ = (static_cast<double>(usual.high) - first_) / 65535.0 * (1.0 + 1e-8);
+            step_ = (static_cast<double>(usual.high) - first_) / 65533.0 * (1.0 + 1e-8);
+            near_ = std::fabs(first_) + std::fabs(static_cast<double>(usual.high));
+            far_ = std::fabs(low_end_) + std::fabs(high_end_);
         }
         fill(voxels);
+        if constexpr (std::is_integral_v<Voxel>)
+            near_ = far_ = std::fabs(raw(range_.low)) + std::fabs(raw(range_.high));
     });
+    // Lookups that overflow give 0, too.
+    if (far_ * std::max(std::fabs(slope_), 1.0) + std::fabs(intercept_) > 1e38)
+        has_gaps_ = true;
 }
 
 double BoundsGrid::raw(double bound) const
 {
-    return bound <= 0.0 ? low_end_ : bound >= 65535.0 ? high_end_ : first_ + step_ * bound;
+    return bound <= 0.0 ? low_end_ : bound >= 65535.0 ? high_end_ : first_ + step_ * (bound - first_bound_);
 }
 
-double BoundsGrid::slack() const
+BoundsGrid::Values BoundsGrid::values(double low, double high) const
 {
-    const double low = first_ + step_ * range_.low, high = first_ + step_ * range_.high;
-    return 1e-6 * (std::fabs(slope_) * (std::fabs(low) + std::fabs(high)) + std::fabs(intercept_));
+    const auto slack = [&](double bound) {
+        const bool is_end = bound <= 0.0 || bound >= 65535.0;
+        // Interpolation between equal voxels is exact: space of value 0 stays empty next to a flank.
+        const double size = low == high ? 2.0 * std::fabs(raw(bound)) : is_end ? far_ : near_;
+        return rounding * (std::fabs(slope_) * size + std::fabs(intercept_));
+    };
+    const double a = slope_ * raw(low) + intercept_, b = slope_ * raw(high) + intercept_;
+    return a <= b ? Values{a - slack(low), b + slack(high)} : Values{b - slack(high), a + slack(low)};
 }
 
 std::uint64_t BoundsGrid::bytes_needed(const Vec3i& volume_size)
@@ -142,18 +164,17 @@ void BoundsGrid::fill(const Voxel* voxels)
                 return {1, 0};
             // Infinite voxels never give a finite value: they count as the ends of the range.
             const auto bound = [&](double v, double toward) {
-                const double exact = step_ > 0.0 ? std::clamp((v - first_) / step_, 0.0, 65535.0) : 0.0;
+                const double exact = step_ > 0.0 ? std::clamp((v - first_) / step_ + 1.0, 0.0, 65535.0) : 1.0;
                 double b = toward < 0.0 ? std::floor(exact) : std::ceil(exact);
                 if ((raw(b) - v) * toward < 0.0)
                     b += toward; // rounding, or beyond the steps
                 return static_cast<std::uint16_t>(std::clamp(b, 0.0, 65535.0));
             };
             const double l = static_cast<double>(low), h = static_cast<double>(high);
-            const double last = first_ + step_ * 65535.0;
-            // Between data and a value far away interpolation rounds as the far one does, which may be anything here.
-            if ((l < first_ && h >= first_) || (h > last && l <= last))
-                return {0, 65535};
-            return {bound(l, -1.0), bound(h, 1.0)};
+            // Between data and a value far away interpolation rounds as the far one does.
+            const bool is_far = l < h && (l < first_ || h > raw(65534.0));
+            const double beyond = is_far ? rounding * (std::fabs(l) + std::fabs(h)) : 0.0;
+            return {bound(l - beyond, -1.0), bound(h + beyond, 1.0)};
         }
     };
     std::mutex mutex;

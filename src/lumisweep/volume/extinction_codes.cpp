@@ -25,15 +25,15 @@ ExtinctionCodes::ExtinctionCodes(const BoundsGrid& bounds, const TransferFunctio
     const int levels = std::bit_width(entries_);
     maxima_.resize(static_cast<std::size_t>(levels) * entries_);
 
-    const double slack = bounds.slack();
     std::vector<double> extinction(entries_);
     parallel_for(
         std::size_t{0}, entries_,
         [&](std::size_t i) {
             const double low = static_cast<double>(lowest_) + static_cast<double>(i / 2);
-            const double a = bounds.value(low), b = bounds.value(low + static_cast<double>(i % 2));
-            extinction[i] =
-                transfer_function.max_extinction(std::min(a, b) - slack, std::max(a, b) + slack) * inflation;
+            const BoundsGrid::Values values = bounds.values(low, low + static_cast<double>(i % 2));
+            extinction[i] = transfer_function.max_extinction(values.low, values.high) * inflation;
+            if (extinction[i] > 0.0)
+                extinction[i] += transfer_function.lookup_error(values.low);
         },
         1024);
     const auto highest = static_cast<float>(*std::max_element(extinction.begin(), extinction.end()));

@@ -110,7 +110,6 @@ void MajorantGrid::fill(const BoundsGrid& bounds, const TransferFunction& transf
 void MajorantGrid::fill_smallest(const BoundsGrid& bounds, const TransferFunction& transfer_function)
 {
     smallest_ = AlignedArray<std::uint8_t>(bounds.blocks());
-    const double slack = bounds.slack();
     const double codes_per_extinction = 256.0 / static_cast<double>(largest_) * (1.0 - 1e-5); // lookups round
     parallel_for(
         std::size_t{0}, bounds.blocks(),
@@ -118,10 +117,11 @@ void MajorantGrid::fill_smallest(const BoundsGrid& bounds, const TransferFunctio
             const BoundsGrid::Bounds& b = bounds.block(block);
             if (b.empty())
                 return;
-            const double low = bounds.value(b.low), high = bounds.value(b.high);
-            const double smallest =
-                transfer_function.min_extinction(std::min(low, high) - slack, std::max(low, high) + slack);
-            smallest_[block] = static_cast<std::uint8_t>(std::min(smallest * codes_per_extinction, 255.0));
+            const BoundsGrid::Values values = bounds.values(b.low, b.high);
+            const double smallest = transfer_function.min_extinction(values.low, values.high) -
+                                    transfer_function.lookup_error(values.low) -
+                                    1e-6 * static_cast<double>(largest_); // flanks from within the values
+            smallest_[block] = static_cast<std::uint8_t>(std::clamp(smallest * codes_per_extinction, 0.0, 255.0));
         },
         256);
 }

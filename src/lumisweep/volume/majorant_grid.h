@@ -39,10 +39,11 @@ public:
     const Bounds* cells(std::size_t block) const { return cells_.data() + block * majorant_block_cells; }
     /// Of the whole volume.
     const Bounds& range() const { return range_; }
-    /// Data units of a bound, or between two.
-    double value(double bound) const { return slope_ * raw(bound) + intercept_; }
-    /// How far interpolation in single precision may leave a cell's range (data units) by rounding.
-    double slack() const;
+    struct Values {
+        double low, high; ///< data units
+    };
+    /// All that lookups in single precision can find between two bounds; of a bound and itself, among equal voxels.
+    Values values(double low, double high) const;
     /// The side of a block in world units, the geometric mean of its three; the diagonal of the volume.
     double block_side() const { return block_side_; }
     double diagonal() const { return diagonal_; }
@@ -59,8 +60,9 @@ private:
     AlignedArray<Bounds> cells_, blocks_;
     Bounds range_;
     double raw(double bound) const;
-    double first_ = 0.0, step_ = 1.0;       // raw = first + step · bound, but for
-    double low_end_ = 0.0, high_end_ = 0.0; // bounds 0 and 65535, the smallest and the largest value there is
+    double first_ = 0.0, step_ = 1.0, first_bound_ = 0.0; // raw = first + step · (bound − first bound), but for
+    double low_end_ = 0.0, high_end_ = 0.0;               // bounds 0 and 65535, the smallest and the largest value
+    double near_ = 0.0, far_ = 0.0; // sizes of numbers by which lookups round: within the steps, and at the ends
     double slope_ = 1.0, intercept_ = 0.0, block_side_ = 1.0, diagonal_ = 0.0;
     bool has_gaps_ = false;
 };

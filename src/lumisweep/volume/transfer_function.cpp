@@ -151,6 +151,14 @@ double TransferFunction::min_extinction(double low, double high) const
     return result;
 }
 
+double TransferFunction::lookup_error(double value) const
+{
+    const auto after = std::upper_bound(points_.begin(), points_.end(), value,
+                                        [](double v, const TransferPoint& p) { return v < p.value; });
+    const bool flat = after == points_.begin() || after == points_.end();
+    return flat ? 0.0 : 1e-6 * after[-1].extinction * extinction_scale_;
+}
+
 TransferFunctionView TransferFunction::view(double slope, double intercept) const
 {
     TransferFunctionView view;

@@ -39,6 +39,9 @@ public:
     double max_extinction(double low, double high) const;
     /// The smallest; of a step both sides count.
     double min_extinction(double low, double high) const;
+    /// How far lookups in single precision may be from extinction in the segment of a value, which its left point
+    /// begins: relative to extinction there, of which little may be left.
+    double lookup_error(double value) const;
 
     /// Tables that kernels read, for raw voxels with value = slope · raw + intercept. Valid while this object lives.
     TransferFunctionView view(double slope, double intercept) const;

@@ -161,19 +161,17 @@ a pilot pass and a number in every checkpoint. It is not in the renderer.
 - **Ratio tracking, roulette below 0.25.** Against 0.1 it saves 2 to 5 % in all media, 8 to 10 % with several shadow rays. Below 0.1 is worse; 0.5 is
   worse with one shadow ray per collision, and no better than 0.25 with two. In the renderer with strategy `auto`, which has three per camera
   ray, 0.5 is 4 to 5 % worse (CT head and stent, `courtyard` and `sunrise`).
-- **In thin media, residual ratio tracking with a centred control.** Thin is a medium in which the mean majorant of what is not empty, times the volume's
-  diagonal, is at most 32 (`thin_medium`). There T's own variance is most of the image's, and half of it goes. In opaque media the second lookup per
-  cell costs 2 to 10 % and nothing is gained, so they are rendered without. Volumes with voxels that are not finite count as opaque.
+- **In thin media, residual ratio tracking with the least extinction of a block as control.** Thin is a medium in which the mean majorant of what is not
+  empty, times the volume's diagonal, is at most 32 (`thin_medium`). There T's own variance is most of the image's. In opaque media the second lookup
+  per cell costs 2 to 10 % and nothing is gained, so they are rendered without. Volumes with voxels that are not finite count as opaque. A centred control is a
+  little better where a medium is even (0.51 against 0.59 for smoke above), but in thin shells, whose blocks are mostly empty, its factors of 2 pile up to 16
+  times the variance, which `studies/efficiency.py` found.
 - Delta tracking takes half of the time of a shadow ray but brings up to twice the variance of a pixel; with four shadow rays per
   collision it draws level, and 0.25 to 0.5 are still better.
 - Marching loses in opaque media by its hundreds of lookups, and in thin ones to the residual estimator, which walks once.
 
 Optical depths of thousands: T is a product that reaches 0 or the roulette, each lookup ends a ray with a probability of at least σ/majorant below the
 threshold, and the closed part's exponential ends at e^−87. Nothing depends on 1/T.
-
-In the renderer itself, with majorants by blocks and the control by blocks too, at equal samples, before (a threshold of 0.1, no control) and after,
-`two-step` under `sunrise` (`studio` for ch2), 256 × 256 pixels: the squared error × CPU time of a cloud (`cloud_noise`, mean optical depth about 3) is
-**0.55** of what it was; of CT head, ch2 and stent 0.95 to 1.06 in single runs of a loaded machine, 0.98 in the mean (squared error 1.02, time 0.96).
 """
 
 

@@ -216,5 +216,32 @@ TEST(ShadowRays, SameMeansInHeterogeneousVolumes)
     }
 }
 
+// Of a thin volume that is empty but for some specks, no estimate of T is above 1: what a sample brings under light of
+// 1 everywhere, whatever shares of a block are empty.
+TEST(ShadowRays, TransmittanceIsAtMostOneInSparseMedia)
+{
+    const Vec3i size{96, 96, 96};
+    SessionInput input;
+    input.volume = test::make_grid<std::uint8_t>(
+        VoxelType::u8, size, test::centered(size, {1.0, 1.0, 1.0}),
+        [](int i, int j, int k) { return (i * 7 + j * 13 + k * 29) % 31 == 0 ? 255 : 0; });
+    input.transfer_function = TransferFunction({{0.0, 0.0, {1.0, 1.0, 1.0}}, {255.0, 0.15, {1.0, 1.0, 1.0}}});
+    input.environment = test::constant_light();
+    input.camera.position = {0.0, -300.0, 40.0};
+    input.image = {64, 64, false};
+    input.render.strategy = Strategy::uniform;
+    Session session(input, make_cpu_backend());
+    double largest = 0.0;
+    for (int seed = 0; seed < 4; ++seed) {
+        input.render.seed = static_cast<std::uint64_t>(seed);
+        session.set_render(input.render);
+        session.render_pass();
+        for (const double sample : session.film().color_sum())
+            largest = std::max(largest, sample);
+    }
+    EXPECT_GT(largest, 0.5);
+    EXPECT_LE(largest, 1.0 + 1e-5);
+}
+
 } // namespace
 } // namespace lumisweep

@@ -80,15 +80,15 @@ struct Advanced {
     mask_of<F> left;      ///< has left the volume
 };
 
-/// Residual ratio tracking in thin media (Novák et al. 2014): of the extinction in a block, the control is taken in
-/// closed form and only what differs from it is looked up. Half-way between the block's bounds it halves the lookups
-/// and the variance that they bring, against the lower bound as control; a lookup's factor then lies in [0, 2].
+/// Residual ratio tracking in thin media (Novák et al. 2014): the least extinction of a block is taken in closed form
+/// and only what exceeds it is looked up. A control in the middle of the bounds would halve the lookups of even media,
+/// but its factors of up to 2 pile up where blocks are mostly empty; this one keeps T's estimates in [0, 1].
 template <class F>
 LUMISWEEP_HD F control_at(const MajorantView& majorants, const CellXYZ<F>& cell, const Majorant<F>& majorant)
 {
     const F smallest =
         to_float(gather(majorants.smallest, block_of_cell(majorants, cell))) * F(majorants.largest * 0x1p-8F);
-    return select(majorant.in_block, (majorant.value + smallest) * F(0.5F), F(0.0F));
+    return select(majorant.in_block, smallest, F(0.0F));
 }
 
 /// advance: to the end of a majorant cell, or of the empty blocks around it, unless the flight ends before. Of a flight

@@ -50,10 +50,16 @@ void expect_strict(const ScalarGrid& grid, const TransferFunction& tf, int looku
     std::mt19937 random(44);
     double above = 0.0, below = 0.0, at = 0.0;
     for (int i = 0; i < lookups; ++i) {
-        const Vec3f p{position(random, grid.size().x), position(random, grid.size().y),
-                      position(random, grid.size().z)};
+        const Vec3f anywhere{position(random, grid.size().x), position(random, grid.size().y),
+                             position(random, grid.size().z)};
+        const CellXYZ<float> cell = cell_at(m, anywhere);
+        // Finding the cell may round across its side; lookups are clamped to it.
+        const auto within = [](float x, int c) {
+            const float low = static_cast<float>(c * majorant_cell) - 0.5F;
+            return std::clamp(x, low, low + static_cast<float>(majorant_cell));
+        };
+        const Vec3f p{within(anywhere.x, cell.x), within(anywhere.y, cell.y), within(anywhere.z, cell.z)};
         const float extinction = extinction_at(lookup, trilinear(voxels, p));
-        const CellXYZ<float> cell = cell_at(m, p);
         const auto others = [](float x, int c) { // the cell on the other side of a border, too
             return x == static_cast<float>(c * majorant_cell) - 0.5F && c > 0 ? c - 1 : c;
         };
@@ -146,9 +152,11 @@ double mixed_cells(const ScalarGrid& grid)
         for (int y = 0; y < cells.y; ++y)
             for (int x = 0; x < cells.x; ++x) {
                 int all = 0, data = 0;
-                for (int k = std::max(2 * z - 1, 0); k <= std::min(2 * z + 1, size.z - 1); ++k)
-                    for (int j = std::max(2 * y - 1, 0); j <= std::min(2 * y + 1, size.y - 1); ++j)
-                        for (int i = std::max(2 * x - 1, 0); i <= std::min(2 * x + 1, size.x - 1); ++i) {
+                for (int k = std::max(std::min(2 * z - 1, size.z - 2), 0); k <= std::min(2 * z + 1, size.z - 1); ++k)
+                    for (int j = std::max(std::min(2 * y - 1, size.y - 2), 0); j <= std::min(2 * y + 1, size.y - 1);
+                         ++j)
+                        for (int i = std::max(std::min(2 * x - 1, size.x - 2), 0); i <= std::min(2 * x + 1, size.x - 1);
+                             ++i) {
                             const float v = voxels[(k * size.y + j) * size.x + i];
                             ++all, data += v >= 0.0F && v <= 1.2F ? 1 : 0;
                         }
@@ -257,14 +265,37 @@ TEST(BoundsGridTest, UnusualVolumes)
                          TransferFunction({{0.0, 0.0}, {1e-42, 5.0}, {2e-42, 7.0}}), 20000);
 }
 
+// Rounding as of a fill value carries data beyond their cell's range, and beyond that of all data.
+TEST(BoundsGridTest, FillValuesThatRoundDataUp)
+{
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> uniform;
+    for (const float fill : {-1e7F, -3e7F, 1e7F, 3e7F}) {
+        SCOPED_TRACE(fill);
+        int i = 0;
+        const ScalarGrid grid = filled<float>(VoxelType::f32, {16, 16, 16}, [&] {
+            const float data = ++i <= 2048 ? 0.6F + 0.05F * uniform(random) : 0.9F + 0.2F * uniform(random);
+            return random() % 3 == 0 ? data : fill;
+        });
+        expect_strict<float>(grid, TransferFunction({{0.8, 0.0}, {0.9, 7.0}, {1.1, 7.0}, {1.2, 0.0}}), 100000);
+        expect_strict<float>(grid, TransferFunction({{1.5, 0.0}, {2.0, 7.0}, {2.1, 7.0}, {2.2, 0.0}}), 100000);
+        expect_strict<float>(grid, TransferFunction({{-1.0, 0.0}, {0.0, 7.0}, {0.1, 7.0}, {0.3, 0.0}}), 100000);
+    }
+}
+
 // Of a flank that begins far outside of the data, lookups subtract two numbers of the far end's size.
 TEST(BoundsGridTest, FlanksFromFarAway)
 {
     std::mt19937 random(8);
     std::uniform_real_distribution<float> uniform;
-    const ScalarGrid grid = filled<float>(VoxelType::f32, {24, 24, 24}, [&] { return 0.2F + uniform(random); });
-    for (const double from : {-1e4, -1e6, -1e8})
-        expect_strict<float>(grid, TransferFunction({{from, 100.0}, {1.0, 0.0}}), 100000);
+    const Vec3i size{64, 9, 9};
+    const ScalarGrid noise = filled<float>(VoxelType::f32, size, [&] { return 0.2F + uniform(random); });
+    int i = 0;
+    const ScalarGrid ramp =
+        filled<float>(VoxelType::f32, size, [&] { return 0.9F + 0.002F * static_cast<float>(i++ % 64); });
+    for (const double from : {-1e4, -7e4, -1e6, -3e6, -5e6, -1e8})
+        for (const ScalarGrid* grid : {&noise, &ramp})
+            expect_strict<float>(*grid, TransferFunction({{from, 100.0}, {1.0, 0.0}}), 50000);
 }
 
 } // namespace

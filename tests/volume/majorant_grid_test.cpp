@@ -160,10 +160,12 @@ TEST(MajorantGridTest, MajorantsAreAsTightAsTheirCodes)
                         for (int cy = y / to * to; cy < std::min(y / to * to + to, m.size.y); ++cy)
                             for (int cx = x / to * to; cx < std::min(x / to * to + to, m.size.x); ++cx) {
                                 int low = 32767, high = -32768;
-                                for (int k = std::max(2 * cz - 1, 0); k <= std::min(2 * cz + 1, size.z - 1); ++k)
-                                    for (int j = std::max(2 * cy - 1, 0); j <= std::min(2 * cy + 1, size.y - 1); ++j)
-                                        for (int i = std::max(2 * cx - 1, 0); i <= std::min(2 * cx + 1, size.x - 1);
-                                             ++i) {
+                                for (int k = std::max(std::min(2 * cz - 1, size.z - 2), 0);
+                                     k <= std::min(2 * cz + 1, size.z - 1); ++k)
+                                    for (int j = std::max(std::min(2 * cy - 1, size.y - 2), 0);
+                                         j <= std::min(2 * cy + 1, size.y - 1); ++j)
+                                        for (int i = std::max(std::min(2 * cx - 1, size.x - 2), 0);
+                                             i <= std::min(2 * cx + 1, size.x - 1); ++i) {
                                             const int v = grid.voxels<std::int16_t>()[(k * size.y + j) * size.x + i];
                                             low = std::min(low, v), high = std::max(high, v);
                                         }

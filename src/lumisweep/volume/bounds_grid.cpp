@@ -71,10 +71,11 @@ struct Range {
     int begin, end;
 };
 
-/// The voxels that interpolation within cell c of an axis of n voxels depends on.
+/// The voxels that interpolation within cell c of an axis of n voxels depends on. At the last one it is between that
+/// and the one before still, which rounds.
 Range voxels_of_cell(int c, int n)
 {
-    return {std::max(c * majorant_cell - 1, 0), std::min((c + 1) * majorant_cell, n)};
+    return {std::max(std::min(c * majorant_cell - 1, n - 2), 0), std::min((c + 1) * majorant_cell, n)};
 }
 
 } // namespace
@@ -139,7 +140,7 @@ BoundsGrid::Values BoundsGrid::values(double low, double high) const
         return rounding * (std::fabs(slope_) * size + std::fabs(intercept_));
     };
     const double a = slope_ * raw(low) + intercept_, b = slope_ * raw(high) + intercept_;
-    return a <= b ? Values{a - slack(low), b + slack(high)} : Values{b - slack(high), a + slack(low)};
+    return slope_ > 0.0 ? Values{a - slack(low), b + slack(high)} : Values{b - slack(high), a + slack(low)};
 }
 
 std::uint64_t BoundsGrid::bytes_needed(const Vec3i& volume_size)

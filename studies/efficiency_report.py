@@ -18,12 +18,15 @@ thread, the mean over the faster half of a seed's passes, the least of seeds. Th
 reference's own, which half of the squared difference of its two halves tells; mean over {seeds} seeds.
 
 - **(a)** is environment sampling in the same renderer, **(b)** the plain scalar tracker of `bench/scalar_tracker.h`: single paths, delta
-  tracking through majorants of 8³ voxels, environment sampling from distribution tables, ratio tracking.
+  tracking through majorants of 4³ voxels, environment sampling from distribution tables, ratio tracking.
 - **with preparation**: for a picture of 512² pixels and 256 samples, on one core, with all that comes before (majorants;
   classification, sweeps, joint grid).
 - **light that arrives**: the mean of the image over the mean of albedo × mean radiance, which it would be without shadows.
 - **p99.99** and **kurtosis** are of single samples over the reference's pixel (luminance), where the volume covers half of the pixel and
-  the reference is no darker than a twentieth of the mean. The higher, the more fireflies.
+  the reference is no darker than a twentieth of the mean. The higher, the more fireflies. A sample of `auto`, and of `environment,
+  stratified`, is the mean over three shadow rays.
+- The papers' five, `environment` among them, take independent numbers and one shadow ray. **environment, stratified** has the numbers and
+  the three collisions of `auto`: what is between the two is visibility's part.
 
 Scenes: real data (`ct_head`, `stent`, `ch2better`), a simulated plume, generated volumes of `bench/volumes.h` (512 × 512 × 460 CT-like,
 384 × 384 × 512 smoke-like, 384³ fractal shells of mean optical depth 2 and 400). Light `behind` is a sky with a bright sun of 10° exactly behind what

@@ -152,8 +152,8 @@ class Report:
             parts.append(f'<text x="{x:.1f}" y="{height - 24}" text-anchor="middle">{value:g}</text>')
         for i, name in enumerate(self.names):
             colour = colours[i % len(colours)]
-            parts.append(f'<circle cx="{left + 110 * i}" cy="16" r="4" fill="{colour}"/>'
-                         f'<text x="{left + 110 * i + 8}" y="20">{escape(name)}</text>')
+            x = 16 + (left + width) * i / (len(self.names) + 0.5)
+            parts.append(f'<circle cx="{x:.0f}" cy="16" r="4" fill="{colour}"/><text x="{x + 8:.0f}" y="20">{escape(name)}</text>')
             for row, (_, entries) in enumerate(rows):
                 parts.append(f'<circle cx="{x_of(gain(entries[YARDSTICK], entries[name])):.1f}" cy="{top + step * (row + 0.5):.1f}" '
                              f'r="4" fill="{colour}" fill-opacity="0.8"/>')

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """How much noise each direction strategy leaves, at equal samples and at equal time.
 
-For every scene and light the five strategies are rendered at several sample counts and compared with a reference made by
+For every scene and light the papers' five strategies and "auto" are rendered at several sample counts and compared with a reference made by
 two-step sampling from another seed. Writes strategies.md, strategies.csv and one picture per scene and light. Runs are cached
 in out/strategies, so that an interrupted study goes on where it was.
 
@@ -21,7 +21,8 @@ import pictures
 from common import (ROOT, Renderer, StudyError, divide, markdown_rows, mean_and_error, need_inputs, processor, ratio,
                     with_error)
 
-STRATEGIES = ["uniform", "environment", "visibility", "combined", "two-step"]
+PAPERS = ["uniform", "environment", "visibility", "combined", "two-step"]
+STRATEGIES = [*PAPERS, "auto"]
 BASELINE = "environment"
 REFERENCE_SEED = 900000
 
@@ -173,7 +174,7 @@ def write_report(folder, results, rows, shown, plan, options):
     for (scene, light), summary in results.items():
         picture = f"strategies-{scene}-{light}.png"
         pictures.write_comparison(folder / picture, {name: Path(f"{stem}.png") for name, stem in shown[scene, light].items()},
-                                  STRATEGIES)
+                                  PAPERS)
         text += [f"## {scene} under {light}", "", markdown_tables(summary, counts), "",
                  f"![{scene} under {light}]({picture})", "",
                  "Left the reference; right the framed part magnified: uniform, environment, visibility above; combined,",

@@ -65,7 +65,7 @@ TEST(Stratified, OnePointInEveryElementaryIntervalOfEveryAlignedRun)
     for (int pixel = 0; pixel < test::effort(80); ++pixel) {
         const RandomKey<float> key = key_of(pixel * 977, static_cast<std::uint64_t>(pixel % 7));
         for (const int set : {0, 1, 2, 500}) {
-            const int first = (pixel % 4) * (pixel % 3 == 0 ? 1 << 20 : 1) * length;
+            const int first = (pixel % 4) * (pixel % 3 == 0 ? 1 << 18 : 1) * length;
             for (int i = 0; i < length; ++i)
                 points[static_cast<std::size_t>(i)] = point(key, first + i, set);
             for (int m = 0; m <= longest; ++m) {

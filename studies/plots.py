@@ -1,0 +1,175 @@
+"""How the studies look: plots and pictures for a paper, the options they share, and what their reports begin with."""
+import io
+import sys
+import time
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from PIL import Image as PillowImage
+
+from common import ROOT, StudyError, commit, cores, load, processor
+from scenes import lumisweep
+
+# The papers' colours.
+COLOURS = {"uniform": "#d62728", "environment": "#d4a000", "visibility": "#2ca02c", "combined": "#17a9c8", "two-step": "#c724b1",
+           "auto": "#222222"}
+LABELS = {name: name.capitalize() for name in COLOURS}
+
+PNG_BYTES, SVG_BYTES = 400_000, 300_000
+DPI = 100
+
+plt.rcParams.update({
+    "font.family": "DejaVu Sans", "font.size": 8, "axes.titlesize": 9, "axes.labelsize": 8, "legend.fontsize": 7,
+    "xtick.labelsize": 7, "ytick.labelsize": 7, "lines.linewidth": 1.2, "axes.linewidth": 0.6, "axes.grid": True,
+    "axes.axisbelow": True, "grid.color": "#dddddd", "grid.linewidth": 0.5, "axes.spines.top": False, "axes.spines.right": False,
+    "legend.frameon": False, "figure.dpi": DPI, "savefig.dpi": DPI, "svg.hashsalt": "lumisweep", "svg.fonttype": "none"})
+
+
+# --- files ----------------------------------------------------------------------------------------------------------------
+
+def save(figure, path):
+    """PNG or SVG by the name. A PNG that is too large for a repository gets a palette, first of 256 colours, then of fewer."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix == ".svg":
+        # No date, so that the same numbers give the same file.
+        figure.savefig(path, metadata={"Date": None})
+        limit = SVG_BYTES
+    else:
+        figure.canvas.draw()
+        picture = PillowImage.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
+        data = png_bytes(picture)
+        for colours in (256, 128, 64):
+            if len(data) > PNG_BYTES:
+                data = png_bytes(picture.quantize(colours, dither=PillowImage.Dither.NONE))
+        path.write_bytes(data)
+        limit = PNG_BYTES
+    plt.close(figure)
+    if path.stat().st_size > limit:
+        print(f"{path} has {path.stat().st_size} bytes, more than {limit}", file=sys.stderr)
+
+
+def png_bytes(picture):
+    packed = io.BytesIO()
+    picture.save(packed, "PNG", optimize=True)
+    return packed.getvalue()
+
+
+# --- pictures -------------------------------------------------------------------------------------------------------------
+
+def luminance(radiance):
+    return radiance @ np.array([0.2126, 0.7152, 0.0722])
+
+
+def display(images, reference=None):
+    """Radiance arrays of one shape as 8-bit sRGB, all with the exposure and the white that suit the reference (else the first)."""
+    reference = images[0] if reference is None else reference
+    brightness = luminance(np.asarray(reference, dtype=np.float64))
+    lit = brightness[brightness > 0]
+    exposure = 0.25 / np.exp(np.log(lit).mean()) if lit.size else 1.0
+    # Tone mapping takes its white from the image: in one stack, and with fireflies held at the reference's white, it is one for all.
+    white = max(np.percentile(brightness, 99.9), 1 / exposure)
+    stack = np.concatenate([np.asarray(image, dtype=np.float64) for image in (reference, *images)])
+    bright = luminance(stack)
+    stack = stack * np.minimum(1, white / np.maximum(bright, 1e-30))[..., None]
+    channels = {name: np.ascontiguousarray(stack[..., c], dtype=np.float32) for c, name in enumerate("RGB")}
+    shown = lumisweep.Image(channels).tone_map(exposure=float(exposure))[..., :3]
+    return np.split(shown, len(images) + 1)[1:]
+
+
+def latlong(environment, height=64):
+    """The light as it is all around, [height, 2 · height, 3] radiance, +Z on top."""
+    polar = np.pi * (np.arange(height) + 0.5) / height
+    azimuth = np.pi * (1 - (np.arange(2 * height) + 0.5) / height)
+    polar, azimuth = np.meshgrid(polar, azimuth, indexing="ij")
+    return environment(np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1))
+
+
+def noisiest_window(image, reference, side):
+    """(y, x) of the side × side window where an image differs most from the reference, relative to its brightness there."""
+    squared = ((image - reference) ** 2).mean(axis=2)
+    sums = lambda values: np.pad(values.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
+    window = lambda s: s[side:, side:] - s[:-side, side:] - s[side:, :-side] + s[:-side, :-side]
+    bright = window(sums((reference ** 2).mean(axis=2)))
+    return tuple(int(i) for i in np.unravel_index(np.argmax(window(sums(squared)) / (bright + bright.mean())), bright.shape))
+
+
+class Canvas:
+    """A figure laid out in pixels, so that magnified windows keep whole pixels; (0, 0) is at the top left."""
+
+    def __init__(self, width, height):
+        self.width, self.height = width, height
+        self.figure = plt.figure(figsize=(width / DPI, height / DPI), facecolor="white")
+
+    def image(self, pixels, left, top, size, frame=None):
+        """An 8-bit image [height, width, 3], scaled to `size` (width, height) by whole pixels; a coloured frame if one is given."""
+        width, height = size
+        axes = self.figure.add_axes([left / self.width, 1 - (top + height) / self.height, width / self.width, height / self.height])
+        rows, columns = np.arange(height) * pixels.shape[0] // height, np.arange(width) * pixels.shape[1] // width
+        axes.imshow(pixels[rows][:, columns], interpolation="nearest", aspect="auto")
+        axes.set_axis_off()
+        if frame:
+            axes.add_patch(plt.Rectangle((0, 0), 1, 1, transform=axes.transAxes, fill=False, edgecolor=frame, linewidth=4))
+        return axes
+
+    def inset(self, pixels, corner, side, left, top, size, frame):
+        """The side × side window at corner (y, x), magnified to size × size."""
+        y, x = corner
+        return self.image(pixels[y:y + side, x:x + side], left, top, (size, size), frame)
+
+    def text(self, text, left, top, **style):
+        self.figure.text(left / self.width, 1 - top / self.height, text, **{"va": "top", "ha": "left", "fontsize": 7, **style})
+
+
+def mark_window(axes, corner, side, scale, colour="#ff9900"):
+    """Where the insets come from, in an image that is shown `scale` times as large."""
+    y, x = corner
+    axes.add_patch(plt.Rectangle((x * scale - 0.5, y * scale - 0.5), side * scale, side * scale, fill=False, edgecolor=colour, linewidth=1))
+
+
+# --- options and reports --------------------------------------------------------------------------------------------------
+
+def standard_options(parser):
+    parser.add_argument("--quick", action="store_true", help="small, in some seconds, without fetched data, into out/studies")
+    parser.add_argument("--output", type=Path, default=None, metavar="DIR", help="of the report (docs/results; out/studies with --quick)")
+    parser.add_argument("--cache", type=Path, default=ROOT / "out" / "studies" / "cache", metavar="DIR", help="of references")
+
+
+def parse(parser):
+    """The options; `output` is a folder that exists."""
+    standard_options(parser)
+    options = parser.parse_args()
+    options.output = options.output or ROOT / ("out/studies" if options.quick else "docs/results")
+    options.output.mkdir(parents=True, exist_ok=True)
+    options.started, options.load_before = time.time(), load()
+    return options
+
+
+def progress(line):
+    print(line, file=sys.stderr, flush=True)
+
+
+def header(study, options, seeds, reference=None):
+    """Where, when and with which numbers a study was made, and how to make it again."""
+    session_isa = lumisweep.available_isas()[0]
+    arguments = " --quick" if options.quick else ""
+    known = f" References: {reference}." if reference else ""
+    return (f"Measured on {processor()}, {cores()} cores, {session_isa}, commit {commit()}, {time.strftime('%Y-%m-%d', time.gmtime())}, "
+            f"{(time.time() - options.started) / 60:.1f} minutes; load average {options.load_before:.1f} before. {seeds}{known} "
+            f"Regenerate with `studies/{study}.py{arguments}`.")
+
+
+def run(main):
+    """Ends the program with main's answer; what a study or the library refuses is one line."""
+    name = Path(sys.argv[0]).stem
+    try:
+        sys.exit(main())
+    except (StudyError, lumisweep.Error, OSError) as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        sys.exit(130)

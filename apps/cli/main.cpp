@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "commands.h"
+#include "lumisweep/base/version.h"
 
 namespace {
 
@@ -33,7 +34,7 @@ int main(int argc, char** argv)
 
         CLI::App app{"Renders volumes under natural light, without bias."};
         app.name("lumisweep");
-        app.set_version_flag("--version", "lumisweep " LUMISWEEP_VERSION);
+        app.set_version_flag("--version", std::string("lumisweep ") + lumisweep::version());
         app.require_subcommand(1);
         lumisweep::cli::Command command;
         lumisweep::cli::add_render(app, command);

@@ -1,6 +1,5 @@
 #include "outputs.h"
 
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -18,6 +17,7 @@
 #include "lumisweep/image/exr.h"
 #include "lumisweep/image/png.h"
 #include "lumisweep/image/tonemap.h"
+#include "lumisweep/render/annotate.h"
 #include "lumisweep/render/backend.h"
 
 namespace lumisweep::cli {
@@ -26,46 +26,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// OpenEXR's matrices act on row vectors: the transpose of ours.
-std::vector<double> world_to_camera(const Camera& camera)
-{
-    const std::array<double, 16> m = camera.camera_from_world();
-    std::vector<double> transposed(16);
-    for (std::size_t row = 0; row < 4; ++row)
-        for (std::size_t column = 0; column < 4; ++column)
-            transposed[4 * column + row] = m[4 * row + column];
-    return transposed;
-}
-
 Image image_with_header(const Session& session, const RenderResult& result, const RenderHeader& header)
 {
-    Image image = session.film().to_image();
-    const SessionInput& input = session.input();
-    image.text["strategy"] = name_of(input.render.strategy);
-    image.text["programVersion"] = "lumisweep " LUMISWEEP_VERSION;
-    image.text["device"] = session.backend().device();
-    image.text["isa"] = session.backend().isa();
+    Image image = annotated_image(session, result.render_s);
     image.text["scene"] = header.scene_text;
     image.text["sceneInFull"] = header.effective_text;
-    image.numbers["samplesPerPixel"] = static_cast<double>(session.film().samples());
-    image.numbers["renderSeconds"] = result.render_s;
-    image.numbers["seed"] = static_cast<double>(input.render.seed);
-    image.matrices["worldToCamera"] = world_to_camera(input.camera);
     return image;
-}
-
-/// A volume is much darker than the light behind it (single scattering gives back at most a quarter of it): the
-/// exposure is halfway between what suits the volume and what suits the whole image.
-ToneMapSettings display_settings(const Image& image, const ImageSettings& settings)
-{
-    ToneMapSettings display;
-    if (!settings.show_environment) {
-        display.background = Background::transparent;
-        return display;
-    }
-    display.exposure =
-        std::sqrt(automatic_exposure(image, Background::transparent) * automatic_exposure(image, Background::opaque));
-    return display;
 }
 
 } // namespace
@@ -108,7 +74,8 @@ void write_images(const std::vector<std::string>& files, const Session& session,
     if (files.empty())
         return;
     const Image image = image_with_header(session, result, header);
-    const ToneMapSettings display = display_settings(image, session.input().image);
+    const ToneMapSettings display =
+        display_settings(image, session.input().image.show_environment ? Background::opaque : Background::transparent);
     for (const std::string& file : files) {
         if (lower_extension(file) == ".exr")
             write_exr(file, image);

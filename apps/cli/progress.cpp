@@ -30,7 +30,7 @@ Progress::~Progress()
 
 bool Progress::due(double elapsed_s) const { return terminal_ && elapsed_s - last_s_ >= 0.1; }
 
-void Progress::draw(const ProgressState& state)
+void Progress::draw(const RenderProgress& state)
 {
     constexpr int width = 24;
     const int filled = static_cast<int>(std::clamp(state.fraction, 0.0, 1.0) * width);

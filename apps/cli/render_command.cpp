@@ -15,6 +15,7 @@
 #include "interrupt.h"
 #include "lumisweep/backends/cpu/cpu_backend.h"
 #include "lumisweep/base/error.h"
+#include "lumisweep/base/version.h"
 #include "lumisweep/render/backend.h"
 #include "lumisweep/scene/checkpoint.h"
 #include "lumisweep/scene/load_scene.h"
@@ -201,7 +202,7 @@ void render(RenderOptions options)
         const std::string isa = backend->isa();
         Fingerprint fingerprint;
         if (!options.checkpoint.empty() || !options.resume.empty())
-            fingerprint = fingerprint_of(loaded.input, isa, LUMISWEEP_VERSION);
+            fingerprint = fingerprint_of(loaded.input, isa, version());
         Session session(std::move(loaded.input), std::move(backend));
         if (!options.resume.empty())
             resume_from(options.resume, fingerprint, scene.stop, session);

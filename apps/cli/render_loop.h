@@ -4,8 +4,8 @@
 #include <string>
 
 #include "lumisweep/render/session.h"
+#include "lumisweep/render/stopping.h"
 #include "lumisweep/scene/checkpoint.h"
-#include "lumisweep/scene/scene_description.h"
 
 namespace lumisweep::cli {
 
@@ -16,11 +16,9 @@ struct RenderResult {
     std::string checkpoint_failure; ///< why the last checkpoint could not be written; else empty
 };
 
-/// Prepares the session and adds passes to its film. At least one pass is in the film afterwards.
-///
-/// Samples: until the film has that many. Time: stops before a pass that would end too late, by the mean duration so
-/// far. Noise: from 16 samples on, below which the estimate cannot be trusted. `checkpoints` may be nullptr; one that
-/// cannot be written is warned about and must not cost the image.
+/// Prepares the session and adds passes to its film until `stop` is met (render/stopping.h) or the user interrupts. At
+/// least one pass is in the film afterwards. `checkpoints` may be nullptr; one that cannot be written is warned about
+/// and must not cost the image.
 RenderResult render_until(Session& session, const StopCriterion& stop, CheckpointWriter* checkpoints);
 
 } // namespace lumisweep::cli

@@ -115,6 +115,16 @@ double automatic_exposure(const Image& image, Background background)
     return exposure_of(Colours(image, background), pixel_count(image));
 }
 
+ToneMapSettings display_settings(const Image& image, Background background)
+{
+    ToneMapSettings display;
+    display.background = background;
+    if (background == Background::opaque)
+        display.exposure = std::sqrt(automatic_exposure(image, Background::transparent) *
+                                     automatic_exposure(image, Background::opaque));
+    return display;
+}
+
 DisplayImage tone_map(const Image& image, const ToneMapSettings& settings)
 {
     const Colours colours(image, settings.background);

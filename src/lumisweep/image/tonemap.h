@@ -30,6 +30,11 @@ struct ToneMapSettings {
 /// do not count. 1 for an image without light. Throws like tone_map.
 double automatic_exposure(const Image& image, Background background);
 
+/// What suits a render. A volume is much darker than the light behind it (single scattering gives back at most a
+/// quarter of it): where the background is shown, the exposure is halfway, on a logarithmic scale, between what suits
+/// the volume and what suits the whole image. Throws like tone_map.
+ToneMapSettings display_settings(const Image& image, Background background);
+
 /// Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", equation 4: luminance L (after exposure)
 /// becomes L (1 + L / w²) / (1 + L), with white w at the 99.9th percentile and at least 1. Colours keep their hue:
 /// those that leave the gamut move towards white of the same luminance. Then the sRGB curve. Non-finite values count as

@@ -234,6 +234,18 @@ private:
 
 } // namespace
 
+std::vector<std::string> warnings_of(const LatLongReport& report, const std::string& name)
+{
+    std::vector<std::string> warnings;
+    if (report.negative_texels > 0)
+        warnings.push_back(
+            fmt::format("{}: {} texels with negative radiance were set to 0", name, report.negative_texels));
+    if (report.non_finite_texels > 0)
+        warnings.push_back(
+            fmt::format("{}: {} texels with infinite or NaN radiance were set to 0", name, report.non_finite_texels));
+    return warnings;
+}
+
 int octahedral_resolution(int width, int height)
 {
     const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "lumisweep/image/image.h"
 #include "lumisweep/light/environment.h"
@@ -14,6 +16,9 @@ struct LatLongReport {
     std::uint64_t negative_texels = 0;   ///< pixels with a negative channel, which became 0
     std::uint64_t non_finite_texels = 0; ///< pixels with an infinite or NaN channel, which became 0
 };
+
+/// What a user should know of it, one line each; `name` is what they call the image.
+std::vector<std::string> warnings_of(const LatLongReport& report, const std::string& name);
 
 /// The n of the map for a width × height image: the least power of two with n² ≥ width · height, within [256, 16384].
 int octahedral_resolution(int width, int height);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "lumisweep/math/vec.h"
 #include "lumisweep/render/pass.h"
@@ -37,6 +38,8 @@ struct ImageSettings {
 /// How the random numbers of a pixel's samples relate: drawn independently, or spread evenly over pixel, lens, depth
 /// and direction (math/stratified.h), 16 samples at a time. The mean is the same.
 enum class RandomNumbers { automatic, independent, stratified };
+/// In the order of the enumerators.
+inline constexpr std::array<std::string_view, 3> random_numbers_names{"auto", "independent", "stratified"};
 
 struct RenderSettings {
     Strategy strategy = Strategy::automatic;

@@ -30,17 +30,6 @@ SkySettings scaled_and_turned(SkySettings sky, double scale, double rotation_deg
     return sky;
 }
 
-PresetInput preset_input(const LoadedVolume& volume, ValueStatistics values)
-{
-    const Vec3i size = volume.grid.size();
-    PresetInput input;
-    input.modality = volume.modality;
-    input.values = std::move(values);
-    input.frames = volume.frames;
-    input.diameter = std::cbrt(std::abs(determinant(volume.grid.world_from_voxel())) * size.x * size.y * size.z);
-    return input;
-}
-
 TransferFunction transfer_function_for(const std::optional<TransferFunctionDescription>& description,
                                        const PresetInput& input, std::vector<std::string>& notes)
 {
@@ -62,16 +51,6 @@ void note_camera(const SceneDescription& scene, const Camera& camera, std::vecto
                                     camera.target.y, camera.target.z));
 }
 
-void warn_about(const std::string& name, const LatLongReport& report, std::vector<std::string>& warnings)
-{
-    if (report.negative_texels > 0)
-        warnings.push_back(
-            fmt::format("{}: {} texels with negative radiance were set to 0", name, report.negative_texels));
-    if (report.non_finite_texels > 0)
-        warnings.push_back(
-            fmt::format("{}: {} texels with infinite or NaN radiance were set to 0", name, report.non_finite_texels));
-}
-
 } // namespace
 
 LoadedEnvironment load_environment(const EnvironmentDescription& description)
@@ -83,10 +62,8 @@ LoadedEnvironment load_environment(const EnvironmentDescription& description)
         return {environment_from_sky(scaled_and_turned(*sky, scale, description.rotation_deg)), {}};
     const fs::path& file = std::get<fs::path>(description.light);
     LatLongReport report;
-    LoadedEnvironment loaded{environment_from_latlong(load_latlong(file), scale, description.rotation_deg, &report),
-                             {}};
-    warn_about(file.string(), report, loaded.warnings);
-    return loaded;
+    Environment environment = environment_from_latlong(load_latlong(file), scale, description.rotation_deg, &report);
+    return {std::move(environment), warnings_of(report, file.string())};
 }
 
 VolumeRequest volume_request(const VolumeDescription& description)
@@ -132,8 +109,10 @@ LoadedScene load_scene(const SceneDescription& scene)
     input.visibility = scene.visibility;
 
     LoadedVolume volume = load_volume(request);
+    loaded.modality = volume.modality;
+    loaded.frames = volume.frames;
     loaded.warnings.insert(loaded.warnings.end(), volume.warnings.begin(), volume.warnings.end());
-    const PresetInput values = preset_input(volume, value_statistics(volume.grid));
+    const PresetInput values = preset_input(volume.grid, value_statistics(volume.grid), volume.modality, volume.frames);
     input.transfer_function = transfer_function_for(scene.transfer_function, values, loaded.notes);
     VoxelBox box{{0, 0, 0}, {0, 0, 0}};
     if (!scene.camera.position || !scene.camera.target)

@@ -13,6 +13,8 @@ namespace lumisweep {
 
 struct LoadedScene {
     SessionInput input;
+    std::string modality;              ///< of the volume: DICOM's code or empty
+    int frames = 1;                    ///< in all of the volume's files together
     std::vector<std::string> notes;    ///< what was chosen where the scene left it open, one line each
     std::vector<std::string> warnings; ///< what the data made necessary, one line each
     double load_s = 0.0;               ///< wall-clock seconds

@@ -102,6 +102,17 @@ PresetChoice plain_choice(const char* name, const char* because)
 
 } // namespace
 
+PresetInput preset_input(const ScalarGrid& volume, ValueStatistics values, const std::string& modality, int frames)
+{
+    const Vec3i size = volume.size();
+    PresetInput input;
+    input.modality = modality;
+    input.values = std::move(values);
+    input.frames = frames;
+    input.diameter = std::cbrt(std::abs(determinant(volume.world_from_voxel())) * size.x * size.y * size.z);
+    return input;
+}
+
 std::span<const std::string_view> preset_names() { return names; }
 
 double hounsfield_offset(const ValueStatistics& values)

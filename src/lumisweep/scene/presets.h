@@ -18,6 +18,9 @@ struct PresetInput {
     int frames = 1;          ///< more than one: a time series
 };
 
+/// Of a volume in memory; `modality` is DICOM's code or empty.
+PresetInput preset_input(const ScalarGrid& volume, ValueStatistics values, const std::string& modality, int frames);
+
 /// "ct-bone", "ct-soft-tissue", "ct-vessels-and-metal", "mr-default", "smoke".
 std::span<const std::string_view> preset_names();
 

@@ -1,7 +1,6 @@
 // What a scene file says, as plain structs; docs/scene.md is the reference of the format.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "lumisweep/light/sky.h"
 #include "lumisweep/render/settings.h"
+#include "lumisweep/render/stopping.h"
 #include "lumisweep/visibility/settings.h"
 #include "lumisweep/volume/transfer_function.h"
 
@@ -43,18 +43,6 @@ struct CameraDescription {
     double lens_radius = 0.0;
     std::optional<double> focus_distance; ///< absent: the target's distance
 };
-
-/// When to stop: exactly one of samples a pixel, wall-clock seconds of rendering, estimated relative error.
-struct StopSamples {
-    std::int64_t samples = 64;
-};
-struct StopTime {
-    double seconds;
-};
-struct StopNoise {
-    double relative_error;
-};
-using StopCriterion = std::variant<StopSamples, StopTime, StopNoise>;
 
 struct SceneDescription {
     std::optional<VolumeDescription> volume;

@@ -23,10 +23,4 @@ VisibilitySettings read_visibility(const nlohmann::ordered_json& value, const Js
 nlohmann::ordered_json json_of(const TransferFunctionDescription& transfer_function);
 nlohmann::ordered_json json_of(const SceneDescription& scene);
 
-/// Names in the order of the enumerations.
-inline constexpr std::string_view strategy_names[] = {"uniform",  "environment", "visibility",
-                                                      "combined", "two-step",    "auto"};
-inline constexpr std::string_view random_numbers_names[] = {"auto", "independent", "stratified"};
-inline constexpr std::string_view filter_names[] = {"none", "half-angle", "full-angle"};
-
 } // namespace lumisweep

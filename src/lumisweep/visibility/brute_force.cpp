@@ -66,6 +66,25 @@ Vec3d cell_side(const VisibilityGrid& grid, Vec3i volume_size)
             static_cast<double>(volume_size.z) / grid.cells().z};
 }
 
+/// A grid of transmittance(p_voxel, w_world) at cell and texel centres.
+template <class Transmittance>
+VisibilityGrid grid_of(Vec3i volume_size, int voxels_per_cell, int directions_per_side,
+                       const std::atomic<bool>* cancel, const Transmittance& transmittance)
+{
+    VisibilityGrid grid(volume_size, voxels_per_cell, directions_per_side);
+    const Vec3d side = cell_side(grid, volume_size);
+    parallel_for(0, grid.direction_count(), [&](int d) {
+        const Vec3d w_world = texel_direction(d, directions_per_side);
+        for (int k = 0; k < grid.cells().z; ++k)
+            for (int j = 0; j < grid.cells().y && (cancel == nullptr || !cancel->load()); ++j)
+                for (int i = 0; i < grid.cells().x; ++i) {
+                    const double v = transmittance(Vec3d{i + 0.5, j + 0.5, k + 0.5} * side, w_world);
+                    grid.direction(d)[grid.cell_index(i, j, k)] = static_cast<std::uint8_t>(std::lround(v * 255.0));
+                }
+    });
+    return grid;
+}
+
 } // namespace
 
 double transmittance_classified(const ExtinctionGrid& extinction, const Vec3d& p_voxel, const Vec3d& w_world)
@@ -139,22 +158,23 @@ double transmittance_averaged(const ExtinctionGrid& extinction, const Visibility
     return sum / samples;
 }
 
-VisibilityGrid brute_force_visibility(const ExtinctionGrid& extinction, int voxels_per_cell, int directions_per_side)
+VisibilityGrid brute_force_visibility(const ExtinctionGrid& extinction, int voxels_per_cell, int directions_per_side,
+                                      const std::atomic<bool>* cancel)
 {
-    const Vec3i size = extinction.volume_size;
-    VisibilityGrid grid(size, voxels_per_cell, directions_per_side);
-    const Vec3d side = cell_side(grid, size);
-    parallel_for(0, grid.direction_count(), [&](int d) {
-        const Vec3d w_world = texel_direction(d, directions_per_side);
-        for (int k = 0; k < grid.cells().z; ++k)
-            for (int j = 0; j < grid.cells().y; ++j)
-                for (int i = 0; i < grid.cells().x; ++i) {
-                    const Vec3d p_voxel = Vec3d{i + 0.5, j + 0.5, k + 0.5} * side;
-                    const double v = transmittance_classified(extinction, p_voxel, w_world);
-                    grid.direction(d)[grid.cell_index(i, j, k)] = static_cast<std::uint8_t>(std::lround(v * 255.0));
-                }
-    });
-    return grid;
+    return grid_of(extinction.volume_size, voxels_per_cell, directions_per_side, cancel,
+                   [&](const Vec3d& p_voxel, const Vec3d& w_world) {
+                       return transmittance_classified(extinction, p_voxel, w_world);
+                   });
+}
+
+VisibilityGrid brute_force_visibility_exact(const ScalarGrid& volume, const TransferFunction& transfer_function,
+                                            int voxels_per_cell, int directions_per_side, double step_voxels,
+                                            const std::atomic<bool>* cancel)
+{
+    return grid_of(volume.size(), voxels_per_cell, directions_per_side, cancel,
+                   [&](const Vec3d& p_voxel, const Vec3d& w_world) {
+                       return transmittance_exact(volume, transfer_function, p_voxel, w_world, step_voxels);
+                   });
 }
 
 SweepCheck sweep_check(const VisibilityGrid& grid, const ExtinctionGrid& extinction, int positions, std::uint64_t seed)

@@ -6,6 +6,7 @@
 //   averaged    "classified", averaged over a cell and a texel: what a filtered sweep aims at
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "lumisweep/visibility/extinction_grid.h"
@@ -29,7 +30,14 @@ double transmittance_averaged(const ExtinctionGrid& extinction, const Visibility
                               int strata, std::uint64_t seed);
 
 /// The whole grid from transmittance_classified at cell and texel centres.
-VisibilityGrid brute_force_visibility(const ExtinctionGrid& extinction, int voxels_per_cell, int directions_per_side);
+/// When *cancel becomes true it returns early, with a grid that is of no use.
+VisibilityGrid brute_force_visibility(const ExtinctionGrid& extinction, int voxels_per_cell, int directions_per_side,
+                                      const std::atomic<bool>* cancel = nullptr);
+
+/// Likewise from transmittance_exact.
+VisibilityGrid brute_force_visibility_exact(const ScalarGrid& volume, const TransferFunction& transfer_function,
+                                            int voxels_per_cell, int directions_per_side, double step_voxels,
+                                            const std::atomic<bool>* cancel = nullptr);
 
 /// How far a grid is off at random cells, all directions of each: against `classified` and against `averaged`, both in
 /// the extinction grid given, which is level 0 where the finest volume is meant.

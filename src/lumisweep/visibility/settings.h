@@ -1,9 +1,14 @@
 // Settings of the visibility grid; names and defaults are the scene file's.
 #pragma once
 
+#include <array>
+#include <string_view>
+
 namespace lumisweep {
 
 enum class SweepFilter { none, half_angle, full_angle };
+/// In the order of the enumerators.
+inline constexpr std::array<std::string_view, 3> filter_names{"none", "half-angle", "full-angle"};
 
 struct VisibilitySettings {
     int directions = 8; ///< n of the n × n octahedral map: 1, 2, 4, 8, 16 or 32

@@ -46,6 +46,12 @@ const Affine3d& checked_affine(const Affine3d& a)
     return a;
 }
 
+void check_scaling(double slope, double intercept)
+{
+    require(std::isfinite(slope) && slope != 0.0 && std::isfinite(intercept),
+            "volume: slope {} and intercept {} must be finite and the slope not 0", slope, intercept);
+}
+
 template <class T>
 double read(const std::byte* data, std::size_t index)
 {
@@ -78,9 +84,18 @@ ScalarGrid::ScalarGrid(VoxelType type, Vec3i size, const Affine3d& world_from_vo
     : type_(type), size_(size), world_from_voxel_(checked_affine(world_from_voxel)),
       voxel_from_world_(inverse(world_from_voxel)), slope_(slope), intercept_(intercept)
 {
-    require(std::isfinite(slope) && slope != 0.0 && std::isfinite(intercept),
-            "volume: slope {} and intercept {} must be finite and the slope not 0", slope, intercept);
+    check_scaling(slope, intercept);
     storage_ = AlignedArray<std::byte>(checked_bytes(type, size));
+}
+
+ScalarGrid::ScalarGrid(VoxelType type, Vec3i size, const Affine3d& world_from_voxel,
+                       std::shared_ptr<const std::byte> voxels, double slope, double intercept)
+    : type_(type), size_(size), world_from_voxel_(checked_affine(world_from_voxel)),
+      voxel_from_world_(inverse(world_from_voxel)), slope_(slope), intercept_(intercept), borrowed_(std::move(voxels))
+{
+    check_scaling(slope, intercept);
+    checked_bytes(type, size);
+    require(borrowed_ != nullptr, "volume: there are no voxels");
 }
 
 std::size_t ScalarGrid::voxel_count() const

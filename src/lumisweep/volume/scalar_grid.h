@@ -9,9 +9,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "lumisweep/base/aligned.h"
+#include "lumisweep/base/error.h"
 #include "lumisweep/math/vec.h"
 
 namespace lumisweep {
@@ -30,27 +32,39 @@ public:
     /// finite.
     ScalarGrid(VoxelType type, Vec3i size, const Affine3d& world_from_voxel, double slope = 1.0,
                double intercept = 0.0);
+    /// Voxels that stand elsewhere, which `voxels` keeps alive; they are never written to. Kernels load whole vectors:
+    /// `readable_behind` bytes behind the last voxel must be readable, whatever they hold. Of floats none may be
+    /// infinite. Throws Error likewise.
+    ScalarGrid(VoxelType type, Vec3i size, const Affine3d& world_from_voxel, std::shared_ptr<const std::byte> voxels,
+               double slope = 1.0, double intercept = 0.0);
+    static constexpr std::size_t readable_behind = AlignedArray<std::byte>::alignment;
 
     VoxelType type() const { return type_; }
     const Vec3i& size() const { return size_; }
     std::size_t voxel_count() const;
-    std::size_t bytes() const { return storage_.bytes(); }
+    std::size_t bytes() const { return voxel_count() * size_of(type_); }
+    bool owns_voxels() const { return borrowed_ == nullptr; }
     const Affine3d& world_from_voxel() const { return world_from_voxel_; }
     const Affine3d& voxel_from_world() const { return voxel_from_world_; }
     double slope() const { return slope_; }
     double intercept() const { return intercept_; }
 
-    std::byte* data() { return storage_.data(); }
-    const std::byte* data() const { return storage_.data(); }
+    /// For writing: of voxels that the grid owns.
+    std::byte* data()
+    {
+        LUMISWEEP_EXPECT(owns_voxels());
+        return storage_.data();
+    }
+    const std::byte* data() const { return borrowed_ ? borrowed_.get() : storage_.data(); }
     template <class T>
     T* voxels()
     {
-        return reinterpret_cast<T*>(storage_.data());
+        return reinterpret_cast<T*>(data());
     }
     template <class T>
     const T* voxels() const
     {
-        return reinterpret_cast<const T*>(storage_.data());
+        return reinterpret_cast<const T*>(data());
     }
 
     /// Turns ±infinity into NaN and returns how many voxels are not finite; 0 for integer types.
@@ -67,6 +81,7 @@ private:
     Affine3d world_from_voxel_, voxel_from_world_;
     double slope_ = 1.0, intercept_ = 0.0;
     AlignedArray<std::byte> storage_;
+    std::shared_ptr<const std::byte> borrowed_; ///< null when storage_ holds the voxels
 };
 
 /// Calls f with a typed pointer to the grid's voxels: f(const std::uint8_t*), f(const float*), …

@@ -1,0 +1,46 @@
+#include <chrono>
+#include <exception>
+#include <future>
+#include <thread>
+
+#include "bindings.h"
+
+namespace lumisweep::python {
+
+std::unique_ptr<tbb::task_arena> make_arena(int threads)
+{
+    require(threads >= 0 && threads <= 4096, "threads: {} is not 1 to 4096, nor 0 for all", threads);
+    return std::make_unique<tbb::task_arena>(threads > 0 ? threads : tbb::task_arena::automatic);
+}
+
+void run_interruptible(tbb::task_arena& arena, const std::function<void(const std::atomic<bool>& cancel)>& work)
+{
+    using namespace std::chrono_literals;
+    std::atomic<bool> cancel = false;
+    std::promise<void> promise;
+    std::future<void> result = promise.get_future();
+    bool interrupted = false;
+    {
+        const py::gil_scoped_release release;
+        std::thread worker([&] {
+            try {
+                arena.execute([&] { work(cancel); });
+                promise.set_value();
+            } catch (...) {
+                promise.set_exception(std::current_exception());
+            }
+        });
+        // Only the main thread of Python gets signals; elsewhere the check does nothing.
+        while (!interrupted && result.wait_for(20ms) != std::future_status::ready) {
+            const py::gil_scoped_acquire acquire;
+            interrupted = PyErr_CheckSignals() != 0;
+        }
+        cancel = interrupted;
+        worker.join();
+    }
+    if (interrupted)
+        throw py::error_already_set();
+    result.get();
+}
+
+} // namespace lumisweep::python

@@ -1,0 +1,7 @@
+#include "lumisweep/base/version.h"
+
+namespace lumisweep {
+
+const char* version() { return LUMISWEEP_VERSION; }
+
+} // namespace lumisweep

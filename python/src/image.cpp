@@ -20,7 +20,8 @@ ImageHandle from_channels(const py::dict& channels)
     for (const auto& [key, value] : channels) {
         const auto name = key.cast<std::string>();
         const FloatArray array = numbers<FloatArray>(value, name.c_str());
-        require(array.ndim() == 2, "image: channel {} has shape {} (give [height, width])", name, text_of(shape_of(array)));
+        require(array.ndim() == 2, "image: channel {} has shape {} (give [height, width])", name,
+                text_of(shape_of(array)));
         const auto height = static_cast<int>(array.shape(0)), width = static_cast<int>(array.shape(1));
         require(image.channels.empty() || (height == image.height && width == image.width),
                 "image: channel {} is {} x {}, another {} x {}", name, width, height, image.width, image.height);
@@ -80,8 +81,9 @@ py::dict attributes(const ImageHandle& handle)
 
 DisplayImage displayed(const ImageHandle& handle, std::optional<double> exposure, std::optional<bool> show_environment)
 {
-    const Background background =
-        !show_environment ? handle.background : *show_environment ? Background::opaque : Background::transparent;
+    const Background background = !show_environment   ? handle.background
+                                  : *show_environment ? Background::opaque
+                                                      : Background::transparent;
     ToneMapSettings settings = display_settings(handle.image, background);
     if (exposure)
         settings.exposure = exposure;
@@ -115,7 +117,8 @@ py::dict comparison(const ImageHandle& image, const ImageHandle& reference)
 void bind_image(py::module_& module)
 {
     const py::none none;
-    py::class_<ImageHandle>(module, "Image", "Float channels by name, row 0 at the top, with an EXR header's attributes.")
+    py::class_<ImageHandle>(module, "Image",
+                            "Float channels by name, row 0 at the top, with an EXR header's attributes.")
         .def(py::init(&from_channels), py::arg("channels"), "{\"R\": [height, width], …}.")
         .def_property_readonly("width", [](const ImageHandle& h) { return h.image.width; })
         .def_property_readonly("height", [](const ImageHandle& h) { return h.image.height; })
@@ -133,14 +136,17 @@ void bind_image(py::module_& module)
                  return py::isinstance<py::str>(name) && h.image.find(name.cast<std::string>()) != nullptr;
              })
         .def_property_readonly("radiance", layer("R", "G", "B"), "[height, width, 3], linear.")
-        .def_property_readonly("alpha", [](const ImageHandle& h) { return pixels(h, "A"); },
-                               "1 − mean transmittance along the camera ray.")
+        .def_property_readonly(
+            "alpha", [](const ImageHandle& h) { return pixels(h, "A"); },
+            "1 − mean transmittance along the camera ray.")
         .def_property_readonly("variance", layer("Variance.R", "Variance.G", "Variance.B"), "Of the pixel's mean.")
         .def_property_readonly("albedo", layer("albedo.R", "albedo.G", "albedo.B"), "Of the first collision.")
         .def_property_readonly("normal", layer("normal.X", "normal.Y", "normal.Z"), "The data's gradient, world space.")
-        .def_property_readonly("depth", [](const ImageHandle& h) { return pixels(h, "depth.Z"); },
-                               "Distance of the first collision along the camera ray, mean over samples.")
-        .def("write_exr", [](const ImageHandle& h, const fs::path& file) { write_exr(file, h.image); }, py::arg("file"))
+        .def_property_readonly(
+            "depth", [](const ImageHandle& h) { return pixels(h, "depth.Z"); },
+            "Distance of the first collision along the camera ray, mean over samples.")
+        .def(
+            "write_exr", [](const ImageHandle& h, const fs::path& file) { write_exr(file, h.image); }, py::arg("file"))
         .def("tone_map", &toned, py::kw_only(), py::arg("exposure") = none, py::arg("show_environment") = none,
              "[height, width, 3 or 4], sRGB, as the command line's PNG.")
         .def(
@@ -148,7 +154,8 @@ void bind_image(py::module_& module)
             [](const ImageHandle& h, const fs::path& file, std::optional<double> exposure,
                std::optional<bool> show_environment) { write_png(file, displayed(h, exposure, show_environment)); },
             py::arg("file"), py::kw_only(), py::arg("exposure") = none, py::arg("show_environment") = none);
-    module.def("read_exr", [](const fs::path& file) { return ImageHandle{read_exr(file)}; }, py::arg("file"));
+    module.def(
+        "read_exr", [](const fs::path& file) { return ImageHandle{read_exr(file)}; }, py::arg("file"));
     module.def("compare", &comparison, py::arg("image"), py::arg("reference"),
                "mse, relmse, rmse, psnr, mean_image, mean_reference over all pixels and R, G, B.");
 }

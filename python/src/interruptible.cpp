@@ -10,7 +10,8 @@ namespace lumisweep::python {
 std::unique_ptr<tbb::task_arena> make_arena(int threads)
 {
     require(threads >= 0 && threads <= 4096, "threads: {} is not 1 to 4096, nor 0 for all", threads);
-    return std::make_unique<tbb::task_arena>(threads > 0 ? threads : tbb::task_arena::automatic);
+    const int concurrency = threads > 0 ? threads : int{tbb::task_arena::automatic};
+    return std::make_unique<tbb::task_arena>(concurrency);
 }
 
 void run_interruptible(tbb::task_arena& arena, const std::function<void(const std::atomic<bool>& cancel)>& work)

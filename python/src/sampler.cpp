@@ -26,9 +26,12 @@ py::array_t<double> pdf(const SamplerHandle& handle, const py::object& positions
     py::array_t<double> result(p.shape);
     double* out = result.mutable_data();
     const py::gil_scoped_release release;
-    parallel_for(std::size_t(0), p.size(), [&, &p = p, &w = w](std::size_t i) {
-        out[i] = handle.sampler->pdf_omega(handle.volume->voxel_from_world().point(p[i]), w.direction(i));
-    }, 256);
+    parallel_for(
+        std::size_t(0), p.size(),
+        [&, &p = p, &w = w](std::size_t i) {
+            out[i] = handle.sampler->pdf_omega(handle.volume->voxel_from_world().point(p[i]), w.direction(i));
+        },
+        256);
     return result;
 }
 
@@ -42,8 +45,8 @@ py::array_t<double> pdf_map(const SamplerHandle& handle, const py::object& posit
     const py::gil_scoped_release release;
     parallel_for(0, side, [&](int v) {
         for (int u = 0; u < side; ++u)
-            out[static_cast<std::ptrdiff_t>(v) * side + u] = handle.sampler->pdf_omega(
-                p_voxel, direction_from_oct(UV<double>{(u + 0.5) / side, (v + 0.5) / side}));
+            out[static_cast<std::ptrdiff_t>(v) * side + u] =
+                handle.sampler->pdf_omega(p_voxel, direction_from_oct(UV<double>{(u + 0.5) / side, (v + 0.5) / side}));
     });
     return map;
 }
@@ -60,12 +63,15 @@ py::tuple sample(const SamplerHandle& handle, const py::object& position, const 
     double* density = densities.mutable_data();
     {
         const py::gil_scoped_release release;
-        parallel_for(std::size_t(0), u.size(), [&](std::size_t i) {
-            const DirectionSampler::Sample drawn = handle.sampler->sample(p_voxel, u[i]);
-            for (int c = 0; c < 3; ++c)
-                w[3 * i + static_cast<std::size_t>(c)] = component(drawn.w_world, c);
-            density[i] = drawn.pdf_omega;
-        }, 256);
+        parallel_for(
+            std::size_t(0), u.size(),
+            [&](std::size_t i) {
+                const DirectionSampler::Sample drawn = handle.sampler->sample(p_voxel, u[i]);
+                for (int c = 0; c < 3; ++c)
+                    w[3 * i + static_cast<std::size_t>(c)] = component(drawn.w_world, c);
+                density[i] = drawn.pdf_omega;
+            },
+            256);
     }
     return py::make_tuple(directions, densities);
 }
@@ -73,7 +79,8 @@ py::tuple sample(const SamplerHandle& handle, const py::object& position, const 
 } // namespace
 
 SamplerHandle make_sampler(Strategy strategy, std::shared_ptr<const ScalarGrid> volume,
-                           std::shared_ptr<const Environment> environment, const VisibilityGrid* visibility, double epsilon)
+                           std::shared_ptr<const Environment> environment, const VisibilityGrid* visibility,
+                           double epsilon)
 {
     auto sampler =
         std::make_shared<const DirectionSampler>(strategy, std::move(environment), visibility, volume->size(), epsilon);
@@ -90,7 +97,8 @@ void bind_sampler(py::module_& module)
         .def("pdf", &pdf, py::arg("positions"), py::arg("directions"),
              "Per steradian, of directions [..., 3] at world positions [..., 3] (broadcast).")
         .def("pdf_map", &pdf_map, py::arg("position"), py::arg("n") = py::none(),
-             "[n, n] per steradian at one world position, at the texels' centres; n defaults to the environment's resolution.")
+             "[n, n] per steradian at one world position, at the texels' centres; n defaults to the environment's "
+             "resolution.")
         .def("sample", &sample, py::arg("position"), py::arg("numbers"),
              "(directions [..., 3], pdf per steradian [...]) of numbers [..., 3] in [0, 1) at one world position.");
 }

@@ -14,6 +14,7 @@ struct SamplerHandle {
 
 /// `visibility` may be nullptr for uniform and environment.
 SamplerHandle make_sampler(Strategy strategy, std::shared_ptr<const ScalarGrid> volume,
-                           std::shared_ptr<const Environment> environment, const VisibilityGrid* visibility, double epsilon);
+                           std::shared_ptr<const Environment> environment, const VisibilityGrid* visibility,
+                           double epsilon);
 
 } // namespace lumisweep::python

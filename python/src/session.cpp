@@ -117,8 +117,8 @@ public:
             return sweep(*input().volume, input().transfer_function, input().visibility, *arena_);
         prepare();
         return std::make_shared<VisibilityHandle>(
-            VisibilityHandle{std::make_shared<const VisibilityGrid>(copy_of(
-                                 session_->visibility(), input().volume->size(), input().visibility.cell)),
+            VisibilityHandle{std::make_shared<const VisibilityGrid>(
+                                 copy_of(session_->visibility(), input().volume->size(), input().visibility.cell)),
                              {}});
     }
 
@@ -138,8 +138,8 @@ std::shared_ptr<SessionHandle> from_parts(const std::shared_ptr<VolumeHandle>& v
                                           const std::optional<TransferFunction>& transfer_function,
                                           std::shared_ptr<EnvironmentHandle> environment,
                                           const std::optional<Camera>& camera, const ImageSettings& image,
-                                          const RenderSettings& render, const VisibilitySettings& visibility, int threads,
-                                          const std::string& isa)
+                                          const RenderSettings& render, const VisibilitySettings& visibility,
+                                          int threads, const std::string& isa)
 {
     std::vector<std::string> notes;
     SessionInput input;
@@ -193,7 +193,8 @@ std::shared_ptr<SessionHandle> load(const py::object& scene, const py::dict& ove
         const py::gil_scoped_release release;
         make_arena(threads)->execute([&] { loaded = load_scene(description); });
     }
-    auto volume = std::make_shared<VolumeHandle>(VolumeHandle{loaded.input.volume, loaded.modality, loaded.frames, false, {}});
+    auto volume =
+        std::make_shared<VolumeHandle>(VolumeHandle{loaded.input.volume, loaded.modality, loaded.frames, false, {}});
     auto environment = std::make_shared<EnvironmentHandle>(EnvironmentHandle{loaded.input.environment, {}});
     auto handle = std::make_shared<SessionHandle>(std::move(volume), std::move(environment), std::move(loaded.input),
                                                   description.stop, threads, isa);
@@ -267,14 +268,15 @@ void bind_session(py::module_& module)
 {
     const py::none none;
     using Handle = SessionHandle;
-    py::class_<Handle, std::shared_ptr<Handle>>(module, "Session", R"(A progressive render: volume, majorants, sweeps, film.
+    py::class_<Handle, std::shared_ptr<Handle>>(module, "Session",
+                                                R"(A progressive render: volume, majorants, sweeps, film.
 
 Set attributes between passes; only what depends on them is redone. Long calls release the interpreter and end at Ctrl-C with
 KeyboardInterrupt, with the passes so far in the film. Not to be used from two threads at once.)")
-        .def(py::init(&from_parts), py::arg("volume"), py::arg("transfer_function") = none, py::arg("environment") = none,
-             py::kw_only(), py::arg("camera") = none, py::arg("image_settings") = ImageSettings{},
-             py::arg("render_settings") = RenderSettings{}, py::arg("visibility_settings") = VisibilitySettings{},
-             py::arg("threads") = 0, py::arg("isa") = "auto",
+        .def(py::init(&from_parts), py::arg("volume"), py::arg("transfer_function") = none,
+             py::arg("environment") = none, py::kw_only(), py::arg("camera") = none,
+             py::arg("image_settings") = ImageSettings{}, py::arg("render_settings") = RenderSettings{},
+             py::arg("visibility_settings") = VisibilitySettings{}, py::arg("threads") = 0, py::arg("isa") = "auto",
              "What is None is chosen as for the command line: a preset, the sky, a camera that frames the volume.")
         .def_static("load", &load, py::arg("scene"), py::kw_only(), py::arg("overrides") = py::dict(),
                     py::arg("base_directory") = ".", py::arg("threads") = 0, py::arg("isa") = "auto",
@@ -300,9 +302,11 @@ overrides {"visibility.cell": 8} are put in before; paths are relative to the fi
         .def_property(
             "visibility_settings", [](const Handle& h) { return h.input().visibility; },
             [](Handle& h, const VisibilitySettings& v) { h.edit([&](Session& s) { s.set_visibility(v); }); })
-        .def_property_readonly("samples", [](const Handle& h) { return h.session().film().samples(); }, "A pixel, in the film.")
-        .def_property_readonly("noise", [](const Handle& h) { return h.session().film().noise(); },
-                               "Estimated relative error of the image; infinite while unknown.")
+        .def_property_readonly(
+            "samples", [](const Handle& h) { return h.session().film().samples(); }, "A pixel, in the film.")
+        .def_property_readonly(
+            "noise", [](const Handle& h) { return h.session().film().noise(); },
+            "Estimated relative error of the image; infinite while unknown.")
         .def_property_readonly("isa", [](const Handle& h) { return h.session().backend().isa(); })
         .def_property_readonly("threads", [](Handle& h) { return h.arena().max_concurrency(); })
         .def_property_readonly("stats", &stats_of, "As --stats of the command line.")
@@ -324,7 +328,8 @@ second.)")
         .def(
             "sweep_in_background", [](Handle& h, int threads) { h.set_sweep_mode(SweepMode::in_background, threads); },
             py::arg("threads") = 0, "Edits do not wait for sweeps from now on.")
-        .def("sweep_before_pass", [](Handle& h) { h.set_sweep_mode(SweepMode::before_pass, 0); }, "The default.")
+        .def(
+            "sweep_before_pass", [](Handle& h) { h.set_sweep_mode(SweepMode::before_pass, 0); }, "The default.")
         .def_property_readonly("sweeping", [](const Handle& h) { return h.session().sweeping(); })
         .def_property(
             "visibility", &Handle::visibility,

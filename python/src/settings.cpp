@@ -75,7 +75,8 @@ void add_record_methods(py::class_<Settings>& cls, std::vector<std::string> name
     cls.def("__repr__", [names](const py::object& self) {
         std::string text = py::str(py::type::of(self).attr("__name__")).cast<std::string>() + "(";
         for (const std::string& name : names)
-            text += (text.back() == '(' ? "" : ", ") + name + "=" + py::repr(self.attr(name.c_str())).cast<std::string>();
+            text +=
+                (text.back() == '(' ? "" : ", ") + name + "=" + py::repr(self.attr(name.c_str())).cast<std::string>();
         return text + ")";
     });
 }
@@ -93,8 +94,8 @@ void bind_camera(py::module_& module)
         return camera.focus_distance > 0.0 ? std::optional(camera.focus_distance) : std::nullopt;
     };
     py::class_<Camera> cls(module, "Camera", "A thin-lens camera; lengths in world units.");
-    cls.def(py::init([](const py::object& position, const py::object& target, const py::object& up, double vertical_fov_deg,
-                        double lens_radius, std::optional<double> focus_distance) {
+    cls.def(py::init([](const py::object& position, const py::object& target, const py::object& up,
+                        double vertical_fov_deg, double lens_radius, std::optional<double> focus_distance) {
                 Camera camera;
                 camera.position = vec3_of(position, "camera.position");
                 camera.target = vec3_of(target, "camera.target");
@@ -107,10 +108,10 @@ void bind_camera(py::module_& module)
                 camera.validate();
                 return camera;
             }),
-            py::kw_only(), py::arg("position") = tuple_of(standard.position), py::arg("target") = tuple_of(standard.target),
-            py::arg("up") = tuple_of(standard.up), py::arg("vertical_fov_deg") = standard.vertical_fov_deg,
-            py::arg("lens_radius") = standard.lens_radius, py::arg("focus_distance") = py::none(),
-            "focus_distance None is the target's distance.")
+            py::kw_only(), py::arg("position") = tuple_of(standard.position),
+            py::arg("target") = tuple_of(standard.target), py::arg("up") = tuple_of(standard.up),
+            py::arg("vertical_fov_deg") = standard.vertical_fov_deg, py::arg("lens_radius") = standard.lens_radius,
+            py::arg("focus_distance") = py::none(), "focus_distance None is the target's distance.")
         .def_static(
             "framed",
             [](const VolumeHandle& volume, const TransferFunction& transfer_function, int width, int height,
@@ -120,8 +121,8 @@ void bind_camera(py::module_& module)
                 const py::gil_scoped_release release;
                 return framed_camera(volume, transfer_function, image, vertical_fov_deg);
             },
-            py::arg("volume"), py::arg("transfer_function"), py::kw_only(), py::arg("width") = 512, py::arg("height") = 512,
-            py::arg("vertical_fov_deg") = standard.vertical_fov_deg,
+            py::arg("volume"), py::arg("transfer_function"), py::kw_only(), py::arg("width") = 512,
+            py::arg("height") = 512, py::arg("vertical_fov_deg") = standard.vertical_fov_deg,
             "In front of what the transfer function shows, at the distance at which it just fits.")
         .def_property("position", vector(&Camera::position), set_vector(&Camera::position, "camera.position"))
         .def_property("target", vector(&Camera::target), set_vector(&Camera::target, "camera.target"))
@@ -164,7 +165,8 @@ void bind_render_settings(py::module_& module)
     const auto numbers_of = [](const std::string& name) {
         return enum_of<RandomNumbers>(name, random_numbers_names, "render.random_numbers");
     };
-    py::class_<RenderSettings> cls(module, "RenderSettings", "How directions and numbers are drawn, as in a scene file.");
+    py::class_<RenderSettings> cls(module, "RenderSettings",
+                                   "How directions and numbers are drawn, as in a scene file.");
     cls.def(py::init([numbers_of](const std::string& strategy, const std::string& random_numbers,
                                   const NumberOrAuto& shadow_rays, std::uint64_t seed) {
                 RenderSettings settings;
@@ -175,8 +177,8 @@ void bind_render_settings(py::module_& module)
                 settings.validate();
                 return settings;
             }),
-            py::kw_only(), py::arg("strategy") = "auto", py::arg("random_numbers") = "auto", py::arg("shadow_rays") = "auto",
-            py::arg("seed") = 0)
+            py::kw_only(), py::arg("strategy") = "auto", py::arg("random_numbers") = "auto",
+            py::arg("shadow_rays") = "auto", py::arg("seed") = 0)
         .def_property(
             "strategy", [](const RenderSettings& s) { return name_of(s.strategy); },
             [](RenderSettings& s, const std::string& name) { s.strategy = strategy_of(name); })
@@ -185,7 +187,9 @@ void bind_render_settings(py::module_& module)
             [numbers_of](RenderSettings& s, const std::string& name) { s.random_numbers = numbers_of(name); })
         .def_property(
             "shadow_rays", [](const RenderSettings& s) { return number_or_auto(s.shadow_rays); },
-            [](RenderSettings& s, const NumberOrAuto& value) { s.shadow_rays = number_of(value, "render.shadow_rays"); })
+            [](RenderSettings& s, const NumberOrAuto& value) {
+                s.shadow_rays = number_of(value, "render.shadow_rays");
+            })
         .def_readwrite("seed", &RenderSettings::seed);
     add_record_methods(cls, {"strategy", "random_numbers", "shadow_rays", "seed"});
 }
@@ -199,7 +203,7 @@ void bind_visibility_settings(py::module_& module)
     py::class_<VisibilitySettings> cls(module, "VisibilitySettings", "The visibility grid, as in a scene file.");
     cls.def(py::init([filter_of](int directions, int cell, const NumberOrAuto& rays, const std::string& filter,
                                  int oversampling, double epsilon) {
-                const VisibilitySettings settings{directions,         cell,         number_of(rays, "visibility.rays"),
+                const VisibilitySettings settings{directions,        cell,         number_of(rays, "visibility.rays"),
                                                   filter_of(filter), oversampling, epsilon};
                 settings.validate();
                 return settings;

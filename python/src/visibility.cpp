@@ -32,8 +32,8 @@ std::shared_ptr<VisibilityHandle> from_values(const py::object& values, const Vo
     VisibilityGrid grid(volume.grid->size(), cell, settings.directions);
     const Vec3i n = grid.cells();
     require(array.shape(2) == n.z && array.shape(3) == n.y && array.shape(4) == n.x,
-            "visibility: has shape {}, but cells of {} voxels are [z, y, x] = [{}, {}, {}]", text_of(shape_of(array)), cell,
-            n.z, n.y, n.x);
+            "visibility: has shape {}, but cells of {} voxels are [z, y, x] = [{}, {}, {}]", text_of(shape_of(array)),
+            cell, n.z, n.y, n.x);
     const double scale = bytes ? 1.0 : 255.0;
     const double* from = array.data();
     for (int v = 0; v < settings.directions; ++v)
@@ -194,13 +194,17 @@ void bind_visibility(py::module_& module)
 {
     const VisibilitySettings standard;
     py::class_<VisibilityHandle, std::shared_ptr<VisibilityHandle>>(
-        module, "VisibilityGrid", "V [v, u, z, y, x] of 8 bits: row v and column u of the octahedral map, then the cell.")
+        module, "VisibilityGrid",
+        "V [v, u, z, y, x] of 8 bits: row v and column u of the octahedral map, then the cell.")
         .def(py::init(&from_values), py::arg("values"), py::arg("volume"), py::kw_only(), py::arg("cell"),
              "values: uint8 (255 is visible) or floating point in [0, 1].")
-        .def_property_readonly("values", &values_of, "uint8 [n, n, cells z, cells y, cells x], a copy; V = values / 255.")
-        .def_property_readonly("cells", [](const VisibilityHandle& h) { return tuple_of(h.grid->cells()); }, "(x, y, z).")
-        .def_property_readonly("directions", [](const VisibilityHandle& h) { return h.grid->directions_per_side(); },
-                               "n of the n × n directions.")
+        .def_property_readonly("values", &values_of,
+                               "uint8 [n, n, cells z, cells y, cells x], a copy; V = values / 255.")
+        .def_property_readonly(
+            "cells", [](const VisibilityHandle& h) { return tuple_of(h.grid->cells()); }, "(x, y, z).")
+        .def_property_readonly(
+            "directions", [](const VisibilityHandle& h) { return h.grid->directions_per_side(); },
+            "n of the n × n directions.")
         .def_readonly("stats", &VisibilityHandle::stats, "Of the sweep that made it, else empty.");
     module.def(
         "sweep_visibility",
@@ -212,10 +216,11 @@ void bind_visibility(py::module_& module)
                py::arg("settings") = standard, py::kw_only(), py::arg("reference") = "classified",
                py::arg("step_voxels") = 0.5, py::arg("threads") = 0,
                "One ray for every cell and direction, in double precision, rounded to 8 bits: slow.");
-    module.def("transmittance", &transmittance, py::arg("volume"), py::arg("transfer_function"), py::arg("positions"),
-               py::arg("directions"), py::kw_only(), py::arg("reference") = "exact", py::arg("step_voxels") = 0.5,
-               py::arg("threads") = 0,
-               R"(From world positions [..., 3] along directions [..., 3] (broadcast) to the outside, in double precision.
+    module.def(
+        "transmittance", &transmittance, py::arg("volume"), py::arg("transfer_function"), py::arg("positions"),
+        py::arg("directions"), py::kw_only(), py::arg("reference") = "exact", py::arg("step_voxels") = 0.5,
+        py::arg("threads") = 0,
+        R"(From world positions [..., 3] along directions [..., 3] (broadcast) to the outside, in double precision.
 
 "exact": the renderer's volume, interpolated and then classified, by midpoint steps of step_voxels. "classified": the sweeps'
 volume, classified to 8 bits and then interpolated, integrated exactly.)");

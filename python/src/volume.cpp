@@ -74,7 +74,7 @@ StoredType stored_type(const py::dtype& type)
     default: break;
     }
     fail("voxels: of type {}, which is no scalar that a volume can have (convert them with astype)",
-         std::string(py::str(type)));
+         py::str(static_cast<const py::object&>(type)).cast<std::string>());
 }
 
 /// Keeps a Python object alive from wherever the last copy is let go.

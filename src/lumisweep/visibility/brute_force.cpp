@@ -68,8 +68,8 @@ Vec3d cell_side(const VisibilityGrid& grid, Vec3i volume_size)
 
 /// A grid of transmittance(p_voxel, w_world) at cell and texel centres.
 template <class Transmittance>
-VisibilityGrid grid_of(Vec3i volume_size, int voxels_per_cell, int directions_per_side,
-                       const std::atomic<bool>* cancel, const Transmittance& transmittance)
+VisibilityGrid grid_of(Vec3i volume_size, int voxels_per_cell, int directions_per_side, const std::atomic<bool>* cancel,
+                       const Transmittance& transmittance)
 {
     VisibilityGrid grid(volume_size, voxels_per_cell, directions_per_side);
     const Vec3d side = cell_side(grid, volume_size);

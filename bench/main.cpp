@@ -14,6 +14,7 @@
 #include "paths.h"
 #include "subject.h"
 #include "sweeps.h"
+#include "table_2.h"
 #include "transmittance.h"
 
 namespace {
@@ -50,6 +51,7 @@ int run(int argc, char** argv)
     } else {
         bench::register_machine(quick);
         bench::register_sweeps(subjects, data, quick);
+        bench::register_table_2(subjects, quick);
         bench::register_paths({LUMISWEEP_PROJECT, data}, quick);
     }
     benchmark::RunSpecifiedBenchmarks();

@@ -36,7 +36,7 @@ struct Column {
     bool costly = false;
 };
 constexpr std::array<Column, 3> columns{{{256, 7}, {512, 5}, {1024, 3, true}}};
-constexpr int voxels_per_cell = 8, most_oversampled = 2; ///< the repetitions of four times the directions
+constexpr int voxels_per_cell = 8, oversampled_repetitions = 2;
 
 Specimen make(const PaperVolume& volume, int doublings)
 {
@@ -73,12 +73,13 @@ void register_column(Subjects& subjects, const PaperVolume& volume, const Column
     for (int i = 0; i < column.repetitions; ++i) {
         add(SweepFilter::none, 1);
         add(SweepFilter::half_angle, 1);
-        if (column.costly && !volume.costly_too)
-            continue;
-        add(SweepFilter::full_angle, 1);
-        if (i < most_oversampled)
-            add(SweepFilter::none, 4);
     }
+    if (column.costly && !volume.costly_too)
+        return;
+    for (int i = 0; i < column.repetitions; ++i)
+        add(SweepFilter::full_angle, 1);
+    for (int i = 0; i < oversampled_repetitions; ++i)
+        add(SweepFilter::none, 4);
 }
 
 } // namespace

@@ -152,8 +152,8 @@ PREFACE = """# Visibility sweeps against the machine and the papers
 Measured on {processor} ({cores} cores), {isa}, commit {commit}, {date}, in {minutes:.1f} minutes; the load average was {load_before:.1f} before and
 {load_after:.1f} after (1 is one busy core; this run itself makes up to 2). {loaded}
 Volumes: a generated CT-like head and a smoke-like plume, {size}, 16 bits; ch2better, a real MR in 8 bits.
-64 directions. Seconds are processor time of one thread, the least of several repetitions; so are their parts, by the
-program's own clock.
+64 directions. Seconds are processor time of one thread, the least of several repetitions, which find the working memory of the one before
+(the first also takes it from the system, up to 40 % more); so are their parts, by the program's own clock.
 Two threads: wall-clock seconds, how many times faster than one by that clock, and what processor time says: twice that of one thread over
 that of both together, waiting included, which other work on the machine disturbs less. Regenerate with `studies/sweeps.py`{how}.
 """

@@ -11,25 +11,29 @@ def measured_cells(results):
 def table(results):
     cells = measured_cells(results)
     rays = results.values("sweep", "ct", "rays")
-    rows = [["memory of V, MB", *[f"{PAPER_MEGABYTES[PAPER_CELLS.index(c)]} / "
-                                  f"{number(results.best(*sweep_key('ct', rays[0], c, 'half'))['grid_bytes'] / 1e6)}" for c in cells]]]
-    for r in rays:
-        papers = PAPER_SWEEPS.get(r)
-        rows.append([f"sweep, {squared(r)}", *[
-            f"{papers[PAPER_CELLS.index(c)] if papers else '–'} / {seconds(results, *sweep_key('ct', r, c, 'none'))} / "
-            f"{seconds(results, *sweep_key('ct', r, c, 'half'))}" for c in cells]])
-    forced = []
-    for c in cells:
+
+    def megabytes(c):
+        return number(results.best(*sweep_key("ct", rays[0], c, "half"))["grid_bytes"] / 1e6)
+
+    def forced(c):
         whole, share, run = brute_force_seconds(results, "ct", c)
-        ours = number(whole) if share == 1 else f"{whole:.0f} ± {whole * run['relative_error']:.0f} ({share:.1%} of the cells)"
-        forced.append(f"{PAPER_BRUTE_FORCE[PAPER_CELLS.index(c)]} / {ours}")
-    rows.append(["brute force", *forced])
+        return number(whole) if share == 1 else f"{whole:.0f} ± {whole * run['relative_error']:.0f} ({share:.1%} of the cells)"
+
+    def gain(r, c, filter_):
+        return times(brute_force_seconds(results, "ct", c)[0] / results.seconds(*sweep_key("ct", r, c, filter_)))
+
+    def papers(r, c, show=str):
+        return show(PAPER_SWEEPS[r][PAPER_CELLS.index(c)]) if r in PAPER_SWEEPS else "–"
+
+    rows = [["memory of V, MB", *[f"{PAPER_MEGABYTES[PAPER_CELLS.index(c)]} / {megabytes(c)}" for c in cells]]]
+    for r in rays:
+        ours = [[seconds(results, *sweep_key("ct", r, c, filter_)) for filter_ in ("none", "half")] for c in cells]
+        rows.append([f"sweep, {squared(r)}", *[" / ".join([papers(r, c), *both]) for c, both in zip(cells, ours)]])
+    rows.append(["brute force", *[f"{PAPER_BRUTE_FORCE[PAPER_CELLS.index(c)]} / {forced(c)}" for c in cells]])
     for r in rays[-2:]:
-        papers = PAPER_SWEEPS.get(r)
         rows.append([f"brute force over {squared(r)}", *[
-            " / ".join([times(PAPER_BRUTE_FORCE[PAPER_CELLS.index(c)] / papers[PAPER_CELLS.index(c)]) if papers else "–",
-                        *[times(brute_force_seconds(results, "ct", c)[0] / results.seconds(*sweep_key("ct", r, c, filter_)))
-                          for filter_ in ("none", "half")]]) for c in cells]])
+            " / ".join([papers(r, c, lambda s, c=c: times(PAPER_BRUTE_FORCE[PAPER_CELLS.index(c)] / s)),
+                        *[gain(r, c, filter_) for filter_ in ("none", "half")]]) for c in cells]])
     return markdown_rows(["", *[f"cells of {c}³ voxels" for c in cells]], rows)
 
 
@@ -47,20 +51,23 @@ def words(results):
     def stage(r, c, name):
         return number(results.best(*sweep_key("ct", r, c, "none"))[f"{name}_s"])
 
+    def a_slice(seconds_of, unit):
+        return spread([unit * seconds_of(fewest, c) / slices_of_cells("Manix", c) for c in cells])
+
     forced = {c: (PAPER_BRUTE_FORCE[PAPER_CELLS.index(c)], brute_force_seconds(results, "ct", c)[0]) for c in cells}
     return paragraph(
-        f"Unfiltered, one core is {spread([theirs(r, c) / ours(r, c) for r in rays for c in cells], times)} as fast as their GPU;",
-        f"at {squared(most)} rays {', '.join(times(theirs(most, c) / ours(most, c)) for c in cells)} from the smallest cells to the largest.",
-        f"With {squared(fewest)} rays theirs take {spread([1e3 * theirs(fewest, c) / slices_of_cells('Manix', c) for c in cells])} ms for each slice",
-        "of cells and direction, however many cells it has: what each step of a GPU costs. Ours follow the cells,",
-        f"{spread([1e6 * ours(fewest, c) / slices_of_cells('Manix', c) for c in cells])} µs a slice.",
-        f"From {squared(most)} rays to {squared(fewest)} and cells of {finest}³ voxels theirs fall from {theirs(most, finest):.2f} to",
-        f"{theirs(fewest, finest):.2f} s; ours go from {number(ours(most, finest))} to {number(ours(fewest, finest))} s: marching falls from",
-        f"{stage(most, finest, 'march')} to {stage(fewest, finest, 'march')} s, but lookups, {stage(most, finest, 'lookup')} and",
-        f"{stage(fewest, finest, 'lookup')} s, are most of it, one for every cell and direction however few rays there are. Where a whole",
-        "number of rays lies from cell to cell they are read in order; where less than one does, each cell gathers its own, which is slower.",
-        f"Brute force takes ours {spread([b / a for a, b in forced.values()], times)} their seconds: its rays are independent of each other, which",
-        "fills a GPU as slices that wait for each other do not. So sweeping gains",
+        f"Unfiltered, one core is {spread([theirs(r, c) / ours(r, c) for r in rays for c in cells], times)} as fast as their",
+        f"GPU; at {squared(most)} rays {', '.join(times(theirs(most, c) / ours(most, c)) for c in cells)} from the smallest",
+        f"cells to the largest. With {squared(fewest)} rays theirs take {a_slice(theirs, 1e3)} ms for each slice of cells and",
+        f"direction, however many cells it has: what a step of a GPU costs. Ours follow the cells, {a_slice(ours, 1e6)} µs a",
+        f"slice. From {squared(most)} rays to {squared(fewest)} and cells of {finest}³ voxels theirs fall from",
+        f"{theirs(most, finest):.2f} to {theirs(fewest, finest):.2f} s; ours go from {number(ours(most, finest))} to",
+        f"{number(ours(fewest, finest))} s: marching falls from {stage(most, finest, 'march')} to",
+        f"{stage(fewest, finest, 'march')} s, but lookups, {stage(most, finest, 'lookup')} and {stage(fewest, finest, 'lookup')}",
+        "s, are most of it, one for every cell and direction however few rays there are. Where a whole number of rays lies from",
+        "cell to cell they are read in order; where less than one does, each cell gathers its own, which is slower. Brute force",
+        f"takes ours {spread([b / a for a, b in forced.values()], times)} their seconds: its rays are independent of each other,",
+        "which fills a GPU as slices that wait for each other do not. So sweeping gains",
         f"{spread([a / theirs(most, c) for c, (a, _) in forced.items()], times)} there at {squared(most)} rays,",
         f"{spread([b / ours(most, c) for c, (_, b) in forced.items()], times)} here.")
 
@@ -70,8 +77,8 @@ def section(results):
     return [
         "## The papers' Table 1", "",
         paragraph(
-            "Seconds: the papers' (GeForce GTX 760, Manix 512 × 512 × 460, unfiltered) / ours unfiltered / ours filtered (CT-like of the same",
-            f"size, one core). Brute force: the papers' / ours (`bench/brute_force.h`: one sample a voxel, {gathers} gathers, ends where 1/512",
-            "is left). Where a share is given, random blocks of rows of cells were marched",
+            "Seconds: the papers' (GeForce GTX 760, Manix 512 × 512 × 460, unfiltered) / ours unfiltered / ours filtered",
+            "(CT-like of the same size, one core). Brute force: the papers' / ours (`bench/brute_force.h`: one sample a voxel,",
+            f"{gathers} gathers, ends where 1/512 is left). Where a share is given, random blocks of rows of cells were marched",
             f"(seed {results.context['brute_force_seed']}) and scaled; ± is the standard error of the choice."), "",
         table(results), "", words(results), ""]

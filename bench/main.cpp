@@ -7,6 +7,9 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include "brute_force.h"
 #include "lumisweep/base/error.h"
@@ -14,9 +17,20 @@
 #include "paths.h"
 #include "subject.h"
 #include "sweeps.h"
+#include "table_2.h"
 #include "transmittance.h"
 
 namespace {
+
+/// The working memory of sweeps and the like stays with the program. Whether the allocator gives it back after each, to
+/// take it anew page by page, would else depend on what ran before: by a quarter of a sweep's time.
+void keep_freed_memory()
+{
+#if defined(__GLIBC__)
+    mallopt(M_MMAP_THRESHOLD, 32 << 20); // the largest that it allows
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
 
 int run(int argc, char** argv)
 {
@@ -35,6 +49,7 @@ int run(int argc, char** argv)
         else
             others.push_back(argv[i]);
     }
+    keep_freed_memory();
     int count = static_cast<int>(others.size());
     others.push_back(nullptr);
     benchmark::Initialize(&count, others.data());
@@ -50,6 +65,7 @@ int run(int argc, char** argv)
     } else {
         bench::register_machine(quick);
         bench::register_sweeps(subjects, data, quick);
+        bench::register_table_2(subjects, quick);
         bench::register_paths({LUMISWEEP_PROJECT, data}, quick);
     }
     benchmark::RunSpecifiedBenchmarks();

@@ -1,6 +1,7 @@
 // The errors that the report gives: references against the slow oracles, and the sums over them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <tbb/task_arena.h>
@@ -101,6 +102,20 @@ TEST(Volumes, DoublingKeepsTheObject)
             }
     const double count = static_cast<double>(fine.volume.voxel_count());
     EXPECT_NEAR(of_fine / count, of_coarse / count, 0.5); // rounded to steps of 16
+    // Twice: from bytes, which keep their steps.
+    const Specimen finest = doubled(fine);
+    ASSERT_EQ(finest.volume.size(), (Vec3i{80, 68, 60}));
+    double of_finest = 0.0, largest = 0.0;
+    for (int k = 0; k < 60; ++k)
+        for (int j = 0; j < 68; ++j)
+            for (int i = 0; i < 80; ++i) {
+                const double there = finest.volume.interpolate({i + 0.5, j + 0.5, k + 0.5});
+                of_finest += there;
+                largest = std::max(largest, std::fabs(there - fine.volume.interpolate(
+                                                                  {0.5 * i + 0.25, 0.5 * j + 0.25, 0.5 * k + 0.25})));
+            }
+    EXPECT_NEAR(of_finest / (8.0 * count), of_fine / count, 0.5);
+    EXPECT_LE(largest, 8.0 + 1e-3); // half a step
 }
 
 } // namespace

@@ -1,5 +1,7 @@
 #include "subject.h"
 
+#include "lumisweep/base/memory.h"
+
 namespace lumisweep::bench {
 
 void Subject::classify_again(ExtinctionGrid& grid, int mip_level, ExtinctionLayouts layouts) const
@@ -34,14 +36,17 @@ const References& Subject::references(int cell, int positions)
                      .first->second;
 }
 
-Subject& Subjects::get(const std::string& name)
+Subject* Subjects::get(const std::string& name)
 {
     if (!subject_ || name_ != name) {
         subject_.reset();
-        subject_.emplace(makers_.at(name)());
+        const Maker& maker = makers_.at(name);
+        if (available_memory() < maker.memory_needed)
+            return nullptr;
+        subject_.emplace(maker.make());
         name_ = name;
     }
-    return *subject_;
+    return &*subject_;
 }
 
 } // namespace lumisweep::bench

@@ -45,11 +45,19 @@ inline constexpr std::uint64_t brute_force_seed = 21;
 /// Holds one subject at a time, the one asked for last, because they are large.
 class Subjects {
 public:
-    void add(const std::string& name, std::function<Specimen()> make) { makers_.emplace(name, std::move(make)); }
-    Subject& get(const std::string& name);
+    void add(const std::string& name, std::uint64_t memory_needed, std::function<Specimen()> make)
+    {
+        makers_.emplace(name, Maker{memory_needed, std::move(make)});
+    }
+    /// Null where less memory is available than it needs.
+    Subject* get(const std::string& name);
 
 private:
-    std::map<std::string, std::function<Specimen()>> makers_;
+    struct Maker {
+        std::uint64_t memory_needed;
+        std::function<Specimen()> make;
+    };
+    std::map<std::string, Maker> makers_;
     std::string name_;
     std::optional<Subject> subject_;
 };

@@ -1,28 +1,19 @@
 #include "sweeps.h"
 
-#include <algorithm>
+#include <initializer_list>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include "brute_force_rows.h"
-#include "lumisweep/base/memory.h"
 #include "lumisweep/sampling/joint_grid.h"
-#include "lumisweep/visibility/sweep.h"
+#include "sweep_case.h"
 
 namespace lumisweep::bench {
 namespace {
-
-struct SweepCase {
-    int rays = 0, cell = 4;
-    SweepFilter filter = SweepFilter::half_angle;
-    int threads = 1;
-    int oversampling = 1;
-};
 
 struct Plan {
     std::string subject;
@@ -30,51 +21,15 @@ struct Plan {
     std::vector<int> mip_levels, product_cells, brute_force_cells;
     std::vector<int> thread_counts{1, 2}; ///< of preparation and product
     int repetitions = 3;
-    int positions = 0;               ///< at which errors are taken; 0: no errors
-    double brute_force_rays = 0.0;   ///< about as many are marched, or all if the grid has up to eight times as many
-    std::uint64_t memory_needed = 0; ///< skipped where less is available
+    int positions = 0;             ///< at which errors are taken; 0: no errors
+    double brute_force_rays = 0.0; ///< about as many are marched, or all if the grid has up to eight times as many
 };
 
-/// The filter, or the papers' alternative to it: averages over more directions.
-std::string filter_name(const SweepCase& c)
+void sweep(benchmark::State& state, Subject& subject, const Plan& plan, const SweepCase& c)
 {
-    if (c.oversampling > 1)
-        return fmt::format("{}x", c.oversampling);
-    return c.filter == SweepFilter::none ? "none" : c.filter == SweepFilter::half_angle ? "half" : "full";
-}
-
-/// The CPU time is that of the calling thread, so an arena of one thread runs everything on it.
-template <class Work>
-void run_with_threads(benchmark::State& state, int threads, Work&& work)
-{
-    tbb::task_arena arena(threads);
-    for (auto _ : state)
-        arena.execute(work);
-}
-
-void sweep(benchmark::State& state, Subjects& subjects, const Plan& plan, const SweepCase& c)
-{
-    Subject& subject = subjects.get(plan.subject);
-    VisibilitySettings settings;
-    settings.cell = c.cell;
-    settings.rays = c.rays;
-    settings.filter = c.filter;
-    settings.oversampling = c.oversampling;
-    const ExtinctionGrid& extinction = subject.extinction(sweep_mip_level(subject.volume().size(), c.rays));
-    VisibilityGrid& grid = subject.grid(c.cell);
-    SweepStats stats;
-    run_with_threads(state, c.threads, [&] { stats = sweep_visibility(grid, extinction, settings); });
-    state.counters["layout_s"] = stats.layout_s;
-    state.counters["march_s"] = stats.march_s;
-    state.counters["lookup_s"] = stats.lookup_s;
-    state.counters["filter_s"] = stats.filter_s;
-    state.counters["voxel_steps"] = static_cast<double>(stats.voxel_steps);
-    state.counters["mip_level"] = stats.mip_level;
-    state.counters["cell_directions"] = static_cast<double>(grid.cell_count()) * grid.direction_count();
-    state.counters["grid_bytes"] = static_cast<double>(grid.bytes());
-    state.counters["extinction_bytes"] = static_cast<double>(extinction.bytes());
+    measure_sweep(state, subject, c);
     if (plan.positions > 0 && c.threads == 1) {
-        const GridErrors errors = errors_of(grid, subject.references(c.cell, plan.positions));
+        const GridErrors errors = errors_of(subject.grid(c.cell), subject.references(c.cell, plan.positions));
         state.counters["rms"] = errors.rms;
         state.counters["rms_error"] = errors.rms_error;
         state.counters["rms_averaged"] = errors.rms_averaged;
@@ -83,10 +38,8 @@ void sweep(benchmark::State& state, Subjects& subjects, const Plan& plan, const 
 }
 
 /// What a change of the transfer function costs before the first sweep: into the memory of before.
-void prepare(benchmark::State& state, Subjects& subjects, const Plan& plan, int mip_level, ExtinctionLayouts layouts,
-             int threads)
+void prepare(benchmark::State& state, Subject& subject, int mip_level, ExtinctionLayouts layouts, int threads)
 {
-    Subject& subject = subjects.get(plan.subject);
     ExtinctionGrid extinction;
     subject.classify_again(extinction, mip_level, layouts);
     run_with_threads(state, threads, [&] { subject.classify_again(extinction, mip_level, layouts); });
@@ -96,9 +49,8 @@ void prepare(benchmark::State& state, Subjects& subjects, const Plan& plan, int 
 
 /// Visibility times light with its averages, as a change of the light alone costs. A second time, like preparation
 /// above: the first also takes memory from the system.
-void product(benchmark::State& state, Subjects& subjects, const Plan& plan, int cell, int threads)
+void product(benchmark::State& state, Subject& subject, int cell, int threads)
 {
-    Subject& subject = subjects.get(plan.subject);
     const VisibilityGrid& grid = subject.grid(cell);
     const Environment light = Environment::constant({1.0, 0.9, 0.8});
     JointGrid joint;
@@ -115,16 +67,7 @@ void product(benchmark::State& state, Subjects& subjects, const Plan& plan, int 
 void register_plan(Subjects& subjects, const Plan& plan)
 {
     const auto add = [&](const std::string& name, int threads, int repetitions, auto body) {
-        const auto guarded = [body, needed = plan.memory_needed](benchmark::State& state) {
-            if (available_memory() < needed)
-                state.SkipWithError("not enough memory");
-            else
-                body(state);
-        };
-        auto* added = benchmark::RegisterBenchmark(fmt::format("{}/threads:{}", name, threads).c_str(), guarded);
-        added->Iterations(1)->Repetitions(repetitions)->Unit(benchmark::kMillisecond);
-        if (threads > 1)
-            added->UseRealTime()->MeasureProcessCPUTime();
+        add_benchmark(subjects, plan.subject, name, threads, repetitions, body);
     };
     for (const int mip_level : plan.mip_levels)
         for (const auto& [layouts, name] : {std::pair{ExtinctionLayouts::straight, "straight"},
@@ -132,29 +75,26 @@ void register_plan(Subjects& subjects, const Plan& plan)
             for (const int threads : plan.thread_counts)
                 add(fmt::format("prepare/{}/mip:{}/layouts:{}", plan.subject, mip_level, name), threads,
                     plan.repetitions + 2,
-                    [&subjects, plan, mip_level, layouts = layouts, threads](benchmark::State& state) {
-                        prepare(state, subjects, plan, mip_level, layouts, threads);
+                    [mip_level, layouts = layouts, threads](benchmark::State& state, Subject& subject) {
+                        prepare(state, subject, mip_level, layouts, threads);
                     });
     for (const SweepCase& c : plan.sweeps)
         add(fmt::format("sweep/{}/rays:{}/cell:{}/filter:{}", plan.subject, c.rays, c.cell, filter_name(c)), c.threads,
             c.cell > 2 ? plan.repetitions : 1 + plan.repetitions / 2,
-            [&subjects, plan, c](benchmark::State& state) { sweep(state, subjects, plan, c); });
+            [plan, c](benchmark::State& state, Subject& subject) { sweep(state, subject, plan, c); });
     for (const int cell : plan.product_cells)
         for (const int threads : plan.thread_counts)
             add(fmt::format("product/{}/cell:{}", plan.subject, cell), threads, plan.repetitions,
-                [&subjects, plan, cell, threads](benchmark::State& state) {
-                    product(state, subjects, plan, cell, threads);
-                });
+                [cell, threads](benchmark::State& state, Subject& subject) { product(state, subject, cell, threads); });
     for (const int cell : plan.brute_force_cells)
         add(fmt::format("brute_force/{}/cell:{}", plan.subject, cell), 1, 1,
-            [&subjects, plan, cell](benchmark::State& state) {
-                march_brute_force(state, subjects.get(plan.subject), cell, plan.brute_force_rays);
+            [cell, rays = plan.brute_force_rays](benchmark::State& state, Subject& subject) {
+                march_brute_force(state, subject, cell, rays);
             });
 }
 
 using Filters = std::initializer_list<SweepFilter>;
 constexpr Filters plain_and_filtered{SweepFilter::none, SweepFilter::half_angle};
-constexpr Filters all_filters{SweepFilter::none, SweepFilter::half_angle, SweepFilter::full_angle};
 
 /// Cells outermost: the grid of one size is made once.
 void add_sweeps(Plan& plan, std::initializer_list<int> cells, std::initializer_list<int> rays, Filters filters,
@@ -179,35 +119,33 @@ void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool
 {
     constexpr std::uint64_t gigabyte = 1000000000;
     const Vec3i size = quick ? Vec3i{64, 64, 57} : Vec3i{512, 512, 460};
-    subjects.add("ct", [size] { return ct_like(size); });
-    subjects.add("smoke", [size] { return smoke_like(size); });
-    subjects.add("ct-doubled", [size] { return doubled(ct_like(size)); });
+    const std::uint64_t memory = quick ? 0 : 3 * gigabyte;
+    subjects.add("ct", memory, [size] { return ct_like(size); });
+    subjects.add("smoke", memory, [size] { return smoke_like(size); });
+    subjects.add("ct-doubled", 2 * memory, [size] { return doubled(ct_like(size)); });
     const bool real = !quick && std::filesystem::exists(data / "ch2better.nii.gz");
     if (real)
-        subjects.add("ch2better", [data] { return ch2better(data).value(); });
+        subjects.add("ch2better", memory, [data] { return ch2better(data).value(); });
 
     Plan ct;
     ct.subject = "ct";
     ct.positions = quick ? 16 : 256;
     ct.repetitions = quick ? 1 : 3;
     ct.brute_force_rays = quick ? 4e5 : 4e6;
-    ct.memory_needed = quick ? 0 : 3 * gigabyte;
     Plan smoke = ct, ch2 = ct, large = ct;
     if (quick) {
         ct.mip_levels = {0, 1};
         ct.product_cells = ct.brute_force_cells = {4, 8};
         add_sweeps(ct, {2, 4, 8, 16}, {64, 32, 16}, plain_and_filtered, 1);
         add_sweeps(ct, {4, 8}, {64, 32}, {SweepFilter::half_angle}, 2);
-        add_sweeps(ct, {8}, {64, 32}, {SweepFilter::full_angle}, 1);
         add_oversampled(ct, {64, 32});
     } else {
-        // The journal paper's Table 1, and its Table 2 (cells of 8³ voxels).
+        // The journal paper's Table 1.
         ct.mip_levels = {0, 1, 2};
         ct.product_cells = {4, 8, 16};
         ct.brute_force_cells = {2, 4, 8, 16};
         add_sweeps(ct, {2, 4, 8, 16}, {512, 256, 128, 64, 32, 16}, plain_and_filtered, 1);
         add_sweeps(ct, {4, 8}, {512, 256}, {SweepFilter::half_angle}, 2);
-        add_sweeps(ct, {8}, {512, 256}, {SweepFilter::full_angle}, 1);
         add_oversampled(ct, {512, 256});
     }
     register_plan(subjects, ct);
@@ -215,10 +153,8 @@ void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool
     smoke.subject = "smoke";
     smoke.mip_levels = {0, 1};
     smoke.brute_force_cells = {4, 8};
-    add_sweeps(smoke, {4}, quick ? std::initializer_list<int>{64, 32} : std::initializer_list<int>{512, 256, 128},
+    add_sweeps(smoke, {4, 8}, quick ? std::initializer_list<int>{64, 32} : std::initializer_list<int>{512, 256, 128},
                plain_and_filtered, 1);
-    add_sweeps(smoke, {8}, quick ? std::initializer_list<int>{64, 32} : std::initializer_list<int>{512, 256},
-               all_filters, 1);
     if (!quick)
         add_oversampled(smoke, {512, 256});
     register_plan(subjects, smoke);
@@ -227,21 +163,15 @@ void register_sweeps(Subjects& subjects, const std::filesystem::path& data, bool
         ch2.subject = "ch2better";
         ch2.mip_levels = {0, 1};
         ch2.brute_force_cells = {4, 8};
-        add_sweeps(ch2, {4}, {512, 256, 128}, plain_and_filtered, 1);
-        add_sweeps(ch2, {8}, {512, 256}, all_filters, 1);
+        add_sweeps(ch2, {4, 8}, {512, 256, 128}, plain_and_filtered, 1);
         add_oversampled(ch2, {512, 256});
         register_plan(subjects, ch2);
     }
 
-    // Table 2's 1024² rays need a volume of that side; cells of 16 voxels keep its 64 × 64 × 57 cells.
     large.subject = "ct-doubled";
     large.mip_levels = {0, 1};
-    large.positions = 0;
     large.thread_counts = {1};
     large.repetitions = quick ? 1 : 2;
-    large.memory_needed = quick ? 0 : 6 * gigabyte;
-    add_sweeps(large, {16}, quick ? std::initializer_list<int>{128} : std::initializer_list<int>{1024, 512},
-               all_filters, 1);
     register_plan(subjects, large);
 }
 

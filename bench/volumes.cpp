@@ -54,6 +54,39 @@ constexpr std::array<Vessel, 9> vessels{{{0.25F, -0.10F, 0.12F, 2.1F, 0.3F, 0.01
 
 float squared(float x) { return x * x; }
 
+/// Twice the voxels along each axis, in steps of `step` from `low`.
+template <class Voxel>
+void double_voxels(const Voxel* in, Vec3i from, int step, int low, std::uint8_t* out)
+{
+    const auto nx = static_cast<std::size_t>(from.x), ny = static_cast<std::size_t>(from.y);
+    // A fine voxel lies a quarter of a coarse one to either side of its centre: weights 3/4 and 1/4 along each axis.
+    const auto neighbours = [](int i, int count) {
+        return std::array<std::size_t, 2>{
+            static_cast<std::size_t>(i / 2),
+            static_cast<std::size_t>(std::clamp(i / 2 + (i % 2 == 0 ? -1 : 1), 0, count - 1))};
+    };
+    const auto rounded = [step](int sum) {
+        return static_cast<std::uint8_t>(std::min((sum + 32 * step) / (64 * step), 255));
+    };
+    parallel_for(0, 2 * from.z, [&](int k) {
+        const auto z = neighbours(k, from.z);
+        std::vector<int> row(nx);
+        for (int j = 0; j < 2 * from.y; ++j) {
+            const auto y = neighbours(j, from.y);
+            const Voxel *r00 = in + (z[0] * ny + y[0]) * nx, *r10 = in + (z[0] * ny + y[1]) * nx;
+            const Voxel *r01 = in + (z[1] * ny + y[0]) * nx, *r11 = in + (z[1] * ny + y[1]) * nx;
+            for (std::size_t i = 0; i < nx; ++i)
+                row[i] = 9 * r00[i] + 3 * r10[i] + 3 * r01[i] + r11[i] - 16 * low;
+            std::uint8_t* line = out + (static_cast<std::size_t>(k) * 2 * ny + static_cast<std::size_t>(j)) * 2 * nx;
+            for (std::size_t i = 0; i < nx; ++i) {
+                const int before = row[i == 0 ? 0 : i - 1], after = row[i + 1 == nx ? i : i + 1];
+                line[2 * i] = rounded(3 * row[i] + before);
+                line[2 * i + 1] = rounded(3 * row[i] + after);
+            }
+        }
+    });
+}
+
 } // namespace
 
 Affine3d centred_box(Vec3i size)
@@ -166,41 +199,18 @@ Specimen doubled(const Specimen& specimen)
     Affine3d world_from_voxel = coarse.world_from_voxel();
     for (Vec3d& column : world_from_voxel.column)
         column = column * 0.5;
-    // 16 data units a step hold −1024 … 3071.
+    // 16 data units a step hold −1024 … 3071; bytes stay as they are.
     constexpr int step = 16, low = -1024;
-    Specimen fine{specimen.name + "-doubled", ScalarGrid(VoxelType::u8, size, world_from_voxel, step, low),
+    const bool bytes = coarse.type() == VoxelType::u8;
+    Specimen fine{specimen.name + "-doubled",
+                  ScalarGrid(VoxelType::u8, size, world_from_voxel, bytes ? coarse.slope() : step,
+                             bytes ? coarse.intercept() : low),
                   specimen.transfer_function};
-    const auto nx = static_cast<std::size_t>(from.x), ny = static_cast<std::size_t>(from.y);
-    const std::int16_t* in = coarse.voxels<std::int16_t>();
     std::uint8_t* out = fine.volume.voxels<std::uint8_t>();
-    // A fine voxel lies a quarter of a coarse one to either side of its centre: weights 3/4 and 1/4 along each axis.
-    const auto neighbours = [](int i, int count) {
-        return std::array<std::size_t, 2>{
-            static_cast<std::size_t>(i / 2),
-            static_cast<std::size_t>(std::clamp(i / 2 + (i % 2 == 0 ? -1 : 1), 0, count - 1))};
-    };
-    const auto rounded = [](int sum) {
-        return static_cast<std::uint8_t>(std::min((sum + 32 * step) / (64 * step), 255));
-    };
-    parallel_for(0, size.z, [&](int k) {
-        const auto z = neighbours(k, from.z);
-        std::vector<int> row(nx);
-        for (int j = 0; j < size.y; ++j) {
-            const auto y = neighbours(j, from.y);
-            const std::int16_t *r00 = in + (z[0] * ny + y[0]) * nx, *r10 = in + (z[0] * ny + y[1]) * nx;
-            const std::int16_t *r01 = in + (z[1] * ny + y[0]) * nx, *r11 = in + (z[1] * ny + y[1]) * nx;
-            for (std::size_t i = 0; i < nx; ++i)
-                row[i] = 9 * r00[i] + 3 * r10[i] + 3 * r01[i] + r11[i] - 16 * low;
-            std::uint8_t* line =
-                out +
-                (static_cast<std::size_t>(k) * static_cast<std::size_t>(size.y) + static_cast<std::size_t>(j)) * 2 * nx;
-            for (std::size_t i = 0; i < nx; ++i) {
-                const int before = row[i == 0 ? 0 : i - 1], after = row[i + 1 == nx ? i : i + 1];
-                line[2 * i] = rounded(3 * row[i] + before);
-                line[2 * i + 1] = rounded(3 * row[i] + after);
-            }
-        }
-    });
+    if (bytes)
+        double_voxels(coarse.voxels<std::uint8_t>(), from, 1, 0, out);
+    else
+        double_voxels(coarse.voxels<std::int16_t>(), from, step, low, out);
     return fine;
 }
 

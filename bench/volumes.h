@@ -34,7 +34,8 @@ Affine3d centred_box(Vec3i size);
 /// The real MR of a head that scripts/fetch_data brings, 301 × 370 × 316 in 8 bits; nothing when it is not in `data`.
 std::optional<Specimen> ch2better(const std::filesystem::path& data);
 
-/// The same object with twice the voxels along each axis (linear interpolation between the given ones), in 8 bits.
+/// The same object with twice the voxels along each axis (linear interpolation between the given ones), in 8 bits. Of
+/// i16 or u8.
 Specimen doubled(const Specimen& specimen);
 
 } // namespace lumisweep::bench

@@ -1,36 +1,8 @@
 """The report of studies/sweeps.py: tables beside the papers', fractions of the machine's limits, the targets' verdicts."""
+import sweeps_table_1
+import sweeps_table_2
 from common import markdown_rows
-from papers import PAPER_BRUTE_FORCE, PAPER_CELLS, PAPER_FILTER, PAPER_MEGABYTES, PAPER_SWEEPS
-
-NAMES = {"ct": "CT-like", "smoke": "smoke-like", "ch2better": "ch2better (MR, 301 × 370 × 316)",
-         "ct-doubled": "CT-like at twice the voxels a side, 8 bits"}
-
-
-def sweep_key(subject, rays, cell, filter_, threads=1):
-    return ("sweep", subject, f"rays:{rays}", f"cell:{cell}", f"filter:{filter_}", f"threads:{threads}")
-
-
-def prepare_key(subject, level, layouts="both", threads=1):
-    return ("prepare", subject, f"mip:{level}", f"layouts:{layouts}", f"threads:{threads}")
-
-
-def number(value, digits=3):
-    """Three digits, without an exponent."""
-    if value >= 10 ** (digits - 1):
-        return f"{value:.0f}"
-    return f"{value:#.{digits}g}" if value >= 1e-4 or value == 0 else f"{value:.1e}"
-
-
-def seconds(results, *key, clock="cpu_time"):
-    return number(results.seconds(*key, clock=clock)) if results.has(*key) else "–"
-
-
-def milliseconds(results, *key, clock="cpu_time"):
-    return number(1e3 * results.seconds(*key, clock=clock)) if results.has(*key) else "–"
-
-
-def squared(n):
-    return f"{n}²"
+from sweeps_numbers import NAMES, brute_force_seconds, milliseconds, number, prepare_key, seconds, squared, sweep_key
 
 
 def machine(results):
@@ -122,52 +94,6 @@ def products(results):
     return markdown_rows(["volume", "cell", "product, s", "two threads, wall s", "V, MB", "product, MB", "GB/s"], rows)
 
 
-def brute_force_seconds(results, subject, cell):
-    """(seconds for all cells on one core, relative to those that were marched)."""
-    key = ("brute_force", subject, f"cell:{cell}", "threads:1")
-    run = results.best(*key)
-    return results.seconds(*key) * run["cells_total"] / run["cells_marched"], run["cells_marched"] / run["cells_total"], run
-
-
-def table_1(results):
-    cells = [cell for cell in PAPER_CELLS if results.has("brute_force", "ct", f"cell:{cell}", "threads:1")]
-    rays = results.values("sweep", "ct", "rays")
-    rows = [["memory of V, MB", *[f"{PAPER_MEGABYTES[PAPER_CELLS.index(c)]} / "
-                                  f"{number(results.best(*sweep_key('ct', rays[0], c, 'half'))['grid_bytes'] / 1e6)}" for c in cells]]]
-    for r in rays:
-        papers = PAPER_SWEEPS.get(r)
-        rows.append([f"sweep, {squared(r)}", *[
-            f"{papers[PAPER_CELLS.index(c)] if papers else '–'} / {seconds(results, *sweep_key('ct', r, c, 'none'))} / "
-            f"{seconds(results, *sweep_key('ct', r, c, 'half'))}" for c in cells]])
-    forced = []
-    for c in cells:
-        whole, share, run = brute_force_seconds(results, "ct", c)
-        ours = number(whole) if share == 1 else f"{whole:.0f} ± {whole * run['relative_error']:.0f} ({share:.1%} of the cells)"
-        forced.append(f"{PAPER_BRUTE_FORCE[PAPER_CELLS.index(c)]} / {ours}")
-    rows.append(["brute force", *forced])
-    for r in rays[-2:]:
-        rows.append([f"ours over {squared(r)} filtered",
-                     *[f"{brute_force_seconds(results, 'ct', c)[0] / results.seconds(*sweep_key('ct', r, c, 'half')):.0f}×" for c in cells]])
-    return markdown_rows(["", *[f"cells of {c}³ voxels" for c in cells]], rows)
-
-
-def table_2(results):
-    rows = [[f"{name}, the papers", *[f"{time} ({factor}×)" for time, factor in values]] for name, values in PAPER_FILTER.items()]
-    columns = (256, 512, 1024)
-    for subject, cell in (("ct", 8), ("smoke", 8), ("ch2better", 8), ("ct-doubled", 16)):
-        for filter_, label in (("half", "half angle"), ("full", "full angle"), ("4x", "4× directions instead")):
-            cells = []
-            for rays in columns:
-                plain, filtered = sweep_key(subject, rays, cell, "none"), sweep_key(subject, rays, cell, filter_)
-                if results.has(*plain) and results.has(*filtered):
-                    cells.append(f"{seconds(results, *plain)} ({results.seconds(*filtered) / results.seconds(*plain) - 1:.2f}×)")
-                else:
-                    cells.append(results.failed.get(plain, "–"))
-            if any(cell_ != "–" for cell_ in cells):
-                rows.append([f"{NAMES[subject]}, ours, {label}", *cells])
-    return markdown_rows(["volume", *[squared(rays) for rays in columns]], rows)
-
-
 def errors(results):
     rows = []
     for subject in NAMES:
@@ -226,8 +152,8 @@ PREFACE = """# Visibility sweeps against the machine and the papers
 Measured on {processor} ({cores} cores), {isa}, commit {commit}, {date}, in {minutes:.1f} minutes; the load average was {load_before:.1f} before and
 {load_after:.1f} after (1 is one busy core; this run itself makes up to 2). {loaded}
 Volumes: a generated CT-like head and a smoke-like plume, {size}, 16 bits; ch2better, a real MR in 8 bits.
-64 directions. Seconds are processor time of one thread, the least of several repetitions; so are their parts, by the
-program's own clock.
+64 directions. Seconds are processor time of one thread, the least of several repetitions, which find the working memory of the one before
+(the first also takes it from the system, up to 40 % more); so are their parts, by the program's own clock.
 Two threads: wall-clock seconds, how many times faster than one by that clock, and what processor time says: twice that of one thread over
 that of both together, waiting included, which other work on the machine disturbs less. Regenerate with `studies/sweeps.py`{how}.
 """
@@ -254,20 +180,8 @@ def report(results):
              "From a new transfer function to what sweeps march through, into the memory of the one before: the volume is read once, extinction",
              "written, and its transposed copy.",
              "", preparation(results), "",
-             "## Product with the light", "", products(results), "",
-             "## The papers' Table 1", "",
-             "Seconds: the papers' (GeForce GTX 760, Manix 512 × 512 × 460, unfiltered) / ours unfiltered / ours filtered (CT-like, one core). Brute force:",
-             "the papers' / ours (`bench/brute_force.h`: one sample a voxel, " + results.best("brute_force", "ct", "cell:8", "threads:1").get("label", "") +
-             " gathers, ends where 1/512 is left).",
-             "Where a share is given, random blocks of rows of cells were marched" + f" (seed {results.context['brute_force_seed']}) and scaled; ± is the standard error of",
-             "the choice.", "",
-             table_1(results), ""]
-    if not quick:
-        text += ["## The papers' Table 2", "",
-                 "Seconds without the filter and what the filter adds, as a multiple of them. The papers: GTX Titan, cells of 8³ voxels. Ours: one",
-                 "core; 1024² rays need a volume of that side, marched with cells of 16³ (the same number of cells). The papers give a factor of 3 for",
-                 "four times the directions instead of the filter.", "",
-                 table_2(results), ""]
+             "## Product with the light", "", products(results), ""]
+    text += sweeps_table_1.section(results) + sweeps_table_2.section(results)
     text += ["## Errors", "",
              "Root mean square over all directions of cells taken at random" + f" (seed {results.context['reference_seed']}), ± the standard error of that",
              "choice. Exact: V at cell and texel centres in the same classified volume at full resolution. Averaged: V averaged over cell and texel.",

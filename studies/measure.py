@@ -1,6 +1,7 @@
 """References, squared errors against them, and what a few values say: intervals and slopes."""
 import hashlib
 import math
+import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from common import mean_and_error
 from scenes import lumisweep
 
 REFERENCE_SEED = 900000
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 # Added to the squared reference in relative errors, as lumisweep.compare has it.
 RELATIVE_OFFSET = 0.01
 
@@ -49,6 +51,21 @@ def reference(scene, light, width, samples, cache):
                      float((variance / (radiance ** 2 + RELATIVE_OFFSET)).mean()))
 
 
+def references(places, width, samples, cache):
+    found = {}
+    for scene, light in places:
+        print(f"{scene} under {light}: reference of {samples} samples", file=sys.stderr, flush=True)
+        found[scene, light] = reference(scene, light, width, samples, cache)
+    return found
+
+
+def describe(known):
+    """For reports: how references were made and how sure they are."""
+    return "; ".join(f"{scene} under {light}, auto, {entry.samples} samples, seed {entry.seed}, "
+                     f"own variance {entry.variance:.2g}"
+                     for (scene, light), entry in known.items())
+
+
 # --- errors ---------------------------------------------------------------------------------------------------------------
 
 def radiance_of(image):
@@ -57,13 +74,19 @@ def radiance_of(image):
 
 
 def squared_error(image, reference):
-    """Mean over pixels and channels, the reference's own part taken off: unbiased, so it can fall below 0 where both are small."""
+    """Mean over pixels and channels, the reference's own part taken off: unbiased, so that it can fall below 0."""
     return float(((radiance_of(image) - reference.radiance) ** 2).mean()) - reference.variance
 
 
 def relative_squared_error(image, reference):
     squared = (radiance_of(image) - reference.radiance) ** 2 / (reference.radiance ** 2 + RELATIVE_OFFSET)
     return float(squared.mean()) - reference.relative_variance
+
+
+def share_of_worst(image, reference, part=0.001):
+    """How much of the squared error lies in the worst thousandth of the pixels; fireflies make it large."""
+    squared = np.sort(((radiance_of(image) - reference.radiance) ** 2).mean(axis=2), axis=None)
+    return float(squared[-max(1, round(part * squared.size)):].sum() / squared.sum())
 
 
 def error_curve(session, reference, counts, clock=time.process_time):
@@ -76,6 +99,18 @@ def error_curve(session, reference, counts, clock=time.process_time):
         seconds += clock() - begin
         curve.append((samples, squared_error(image, reference), seconds))
     return curve
+
+
+def weight_moments(environment, n=8):
+    """Second moments of light over density, relative to the squared mean, were there no shadows: what lamps do to a density.
+
+    (uniform directions, directions by the light's averages over n × n texels); 1 for sampling the light as it is.
+    """
+    light = np.maximum(environment.radiance.astype(np.float64) @ LUMINANCE, 0)
+    side = light.shape[0] // n
+    coarse = light.reshape(n, side, n, side).mean(axis=(1, 3)).repeat(side, axis=0).repeat(side, axis=1)
+    uniform = (light ** 2).mean() / light.mean() ** 2
+    return float(uniform), float((light ** 2 / np.maximum(coarse, 1e-30)).mean() / light.mean())
 
 
 # --- what a few values say ------------------------------------------------------------------------------------------------
@@ -113,6 +148,12 @@ def confidence_interval(values, level=0.95):
         return math.nan, math.nan
     reach = student_quantile(level, len(values) - 1) * error
     return mean - reach, mean + reach
+
+
+def interval_reach(values, level=0.95):
+    """Half of the confidence interval's width."""
+    low, high = confidence_interval(values, level)
+    return (high - low) / 2
 
 
 def fit_slope(log_n, log_mse, errors):

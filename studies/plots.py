@@ -1,6 +1,8 @@
 """How the studies look: plots and pictures for a paper, the options they share, and what their reports begin with."""
+import csv
 import io
 import sys
+import textwrap
 import time
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import numpy as np
 from PIL import Image as PillowImage
 
 from common import ROOT, StudyError, commit, cores, load, processor
+from measure import LUMINANCE
 from scenes import lumisweep
 
 # The papers' colours.
@@ -32,7 +35,7 @@ plt.rcParams.update({
 # --- files ----------------------------------------------------------------------------------------------------------------
 
 def save(figure, path):
-    """PNG or SVG by the name. A PNG that is too large for a repository gets a palette, first of 256 colours, then of fewer."""
+    """PNG or SVG by the name. A PNG that is too large for a repository gets a palette, of 256 colours or fewer."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix == ".svg":
@@ -61,20 +64,16 @@ def png_bytes(picture):
 
 # --- pictures -------------------------------------------------------------------------------------------------------------
 
-def luminance(radiance):
-    return radiance @ np.array([0.2126, 0.7152, 0.0722])
-
-
 def display(images, reference=None):
-    """Radiance arrays of one shape as 8-bit sRGB, all with the exposure and the white that suit the reference (else the first)."""
+    """Radiance arrays of one shape as 8-bit sRGB, with the exposure and the white that suit the reference, else the first."""
     reference = images[0] if reference is None else reference
-    brightness = luminance(np.asarray(reference, dtype=np.float64))
+    brightness = np.asarray(reference, dtype=np.float64) @ LUMINANCE
     lit = brightness[brightness > 0]
     exposure = 0.25 / np.exp(np.log(lit).mean()) if lit.size else 1.0
-    # Tone mapping takes its white from the image: in one stack, and with fireflies held at the reference's white, it is one for all.
+    # Tone mapping takes its white from the image: in one stack, with fireflies held at the reference's white, it is one for all.
     white = max(np.percentile(brightness, 99.9), 1 / exposure)
     stack = np.concatenate([np.asarray(image, dtype=np.float64) for image in (reference, *images)])
-    bright = luminance(stack)
+    bright = stack @ LUMINANCE
     stack = stack * np.minimum(1, white / np.maximum(bright, 1e-30))[..., None]
     channels = {name: np.ascontiguousarray(stack[..., c], dtype=np.float32) for c, name in enumerate("RGB")}
     shown = lumisweep.Image(channels).tone_map(exposure=float(exposure))[..., :3]
@@ -106,14 +105,15 @@ class Canvas:
         self.figure = plt.figure(figsize=(width / DPI, height / DPI), facecolor="white")
 
     def image(self, pixels, left, top, size, frame=None):
-        """An 8-bit image [height, width, 3], scaled to `size` (width, height) by whole pixels; a coloured frame if one is given."""
+        """An 8-bit image [height, width, 3] at `size` (width, height), nearest pixels; a coloured frame if one is given."""
         width, height = size
-        axes = self.figure.add_axes([left / self.width, 1 - (top + height) / self.height, width / self.width, height / self.height])
+        axes = self.figure.add_axes([left / self.width, 1 - (top + height) / self.height,
+                                     width / self.width, height / self.height])
         rows, columns = np.arange(height) * pixels.shape[0] // height, np.arange(width) * pixels.shape[1] // width
         axes.imshow(pixels[rows][:, columns], interpolation="nearest", aspect="auto")
         axes.set_axis_off()
         if frame:
-            axes.add_patch(plt.Rectangle((0, 0), 1, 1, transform=axes.transAxes, fill=False, edgecolor=frame, linewidth=4))
+            axes.add_patch(plt.Rectangle((0, 0), 1, 1, transform=axes.transAxes, fill=False, edgecolor=frame, linewidth=3))
         return axes
 
     def inset(self, pixels, corner, side, left, top, size, frame):
@@ -128,15 +128,42 @@ class Canvas:
 def mark_window(axes, corner, side, scale, colour="#ff9900"):
     """Where the insets come from, in an image that is shown `scale` times as large."""
     y, x = corner
-    axes.add_patch(plt.Rectangle((x * scale - 0.5, y * scale - 0.5), side * scale, side * scale, fill=False, edgecolor=colour, linewidth=1))
+    axes.add_patch(plt.Rectangle((x * scale - 0.5, y * scale - 0.5), side * scale, side * scale, fill=False, edgecolor=colour,
+                                 linewidth=1))
+
+
+REFERENCE_SIZE, INSET_SIZE, WINDOW, GAP, TITLE = 256, 160, 40, 8, 18
+
+
+def strategy_rows(rows):
+    """The papers' comparison: for each place the reference and the same magnified window of every strategy's image.
+
+    rows: (title, reference, {strategy: (image, caption)}), radiance arrays of one size; two lines of caption below each inset.
+    """
+    names = list(rows[0][2])
+    row_height = REFERENCE_SIZE + GAP + TITLE
+    canvas = Canvas(GAP + REFERENCE_SIZE + (GAP + INSET_SIZE) * len(names) + GAP, row_height * len(rows))
+    for index, (title, reference, entries) in enumerate(rows):
+        top = index * row_height + TITLE
+        shown = dict(zip(names, display([entries[name][0] for name in names], reference)))
+        corner = noisiest_window(entries["environment"][0], reference, WINDOW)
+        canvas.text(title, GAP, top - 16, fontsize=9)
+        axes = canvas.image(display([reference])[0], GAP, top, (REFERENCE_SIZE, REFERENCE_SIZE))
+        mark_window(axes, corner, WINDOW, REFERENCE_SIZE / reference.shape[0])
+        for column, name in enumerate(names):
+            left = GAP + REFERENCE_SIZE + GAP + column * (INSET_SIZE + GAP)
+            canvas.inset(shown[name], corner, WINDOW, left, top + TITLE, INSET_SIZE, COLOURS[name])
+            canvas.text(LABELS[name], left, top, fontsize=9, color=COLOURS[name], weight="bold")
+            canvas.text(entries[name][1], left, top + TITLE + INSET_SIZE + 6, linespacing=1.4)
+    return canvas.figure
 
 
 # --- options and reports --------------------------------------------------------------------------------------------------
 
 def standard_options(parser):
     parser.add_argument("--quick", action="store_true", help="small, in some seconds, without fetched data, into out/studies")
-    parser.add_argument("--output", type=Path, default=None, metavar="DIR", help="of the report (docs/results; out/studies with --quick)")
-    parser.add_argument("--cache", type=Path, default=ROOT / "out" / "studies" / "cache", metavar="DIR", help="of references")
+    parser.add_argument("--output", type=Path, default=None, metavar="DIR", help="for the report (docs/results)")
+    parser.add_argument("--cache", type=Path, default=ROOT / "out" / "studies" / "cache", metavar="DIR", help="for references")
 
 
 def parse(parser):
@@ -149,18 +176,39 @@ def parse(parser):
     return options
 
 
+def prose(text, bullet=""):
+    """Paragraphs whose line breaks in the source do not matter, as one list item each if there is a bullet ("- ", "  - ")."""
+    def fill(paragraph):
+        return textwrap.fill(" ".join(paragraph.split()), 130, initial_indent=bullet, subsequent_indent=" " * len(bullet),
+                             break_long_words=False, break_on_hyphens=False)
+
+    return ("\n" if bullet else "\n\n").join(fill(paragraph) for paragraph in text.strip().split("\n\n"))
+
+
+def slashed(values):
+    return " / ".join(f"{value:.2f}" for value in values)
+
+
+def write_csv(path, rows):
+    """Rows are dictionaries of the same keys."""
+    with open(path, "w", newline="") as stream:
+        writer = csv.DictWriter(stream, fieldnames=list(rows[0]))
+        writer.writeheader()
+        for row in rows:
+            writer.writerow({key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()})
+
+
 def progress(line):
     print(line, file=sys.stderr, flush=True)
 
 
 def header(study, options, seeds, reference=None):
     """Where, when and with which numbers a study was made, and how to make it again."""
-    session_isa = lumisweep.available_isas()[0]
-    arguments = " --quick" if options.quick else ""
     known = f" References: {reference}." if reference else ""
-    return (f"Measured on {processor()}, {cores()} cores, {session_isa}, commit {commit()}, {time.strftime('%Y-%m-%d', time.gmtime())}, "
-            f"{(time.time() - options.started) / 60:.1f} minutes; load average {options.load_before:.1f} before. {seeds}{known} "
-            f"Regenerate with `studies/{study}.py{arguments}`.")
+    minutes = (time.time() - options.started) / 60
+    return prose(f"""Measured on {processor()}, {cores()} cores, {lumisweep.available_isas()[0]}, commit {commit()},
+        {time.strftime('%Y-%m-%d', time.gmtime())}, {minutes:.1f} minutes; load average {options.load_before:.1f} before.
+        {seeds}{known} Regenerate with `studies/{study}.py{' --quick' if options.quick else ''}`.""")
 
 
 def run(main):

@@ -29,8 +29,18 @@ GENERATED, SKY = "generated", "sky"
 QUICK_SCENES = [GENERATED, "plume"]
 QUICK_LIGHT = SKY
 
+# Where the papers' figures are made again. Different lights: soft with a sun behind clouds, lamps, a sky after sunset.
+FIGURES = [("ct_head", "courtyard"), ("stent", "studio"), ("ch2better", "sunset")]
+
 VOLUMES = {"ct_head": "data/ct_head.nrrd", "stent": "data/stent.nrrd", "ch2better": "data/ch2better.nii.gz",
            "brainsmall": "data/brainsmall.nrrd", "plume": "tests/data/plume_4d_density.nrrd", "cloud": "data/cloud_noise.nrrd"}
+
+
+def figure_places(quick):
+    """Pairs of scene and light, whose data are there."""
+    places = [(scene, QUICK_LIGHT) for scene in QUICK_SCENES] if quick else FIGURES
+    need([scene for scene, _ in places], [light for _, light in places])
+    return places
 
 
 def need(scenes, lights):
@@ -48,13 +58,15 @@ def need(scenes, lights):
         raise StudyError(f"no data of {', '.join(missing)}; run scripts/fetch_data {' '.join(missing)}")
 
 
-def open_session(scene, light, *, width, strategy="two-step", seed=0, visibility=None, threads=0, show_environment=False, **render):
+def open_session(scene, light, *, width, strategy="two-step", seed=0, visibility=None, threads=0, show_environment=False,
+                 **render):
     """A session of width × width pixels; `render` takes what lumisweep.RenderSettings takes besides."""
     volume, transfer_function, camera, environment = parts(scene, light)
     image = lumisweep.ImageSettings(width=width, height=width, show_environment=show_environment)
     settings = lumisweep.RenderSettings(strategy=strategy, seed=seed, **render)
-    return lumisweep.Session(volume, transfer_function, environment, camera=camera, image_settings=image, render_settings=settings,
-                             visibility_settings=visibility or lumisweep.VisibilitySettings(), threads=threads)
+    return lumisweep.Session(volume, transfer_function, environment, camera=camera, image_settings=image,
+                             render_settings=settings, visibility_settings=visibility or lumisweep.VisibilitySettings(),
+                             threads=threads)
 
 
 def fingerprint(scene):

@@ -3,7 +3,7 @@
 
 Writes convergence.md, .csv and .svg. About ten minutes on two cores.
 
-    studies/convergence.py [--quick] [--samples 4096] [--width 96] [--output DIR] [--cache DIR]
+    studies/convergence.py [--quick] [--samples 4096] [--width 80] [--output DIR] [--cache DIR]
 """
 import argparse
 import math
@@ -77,22 +77,28 @@ def band(curves):
 def figure(results):
     drawing, all_axes = plt.subplots(len(results), 2, figsize=(7.2, 2.5 * len(results) + 0.3), squeeze=False, sharey="row")
     for row, ((scene, light), found) in zip(all_axes, results.items()):
+        lines = []
         for name, entry in found.items():
             samples, seconds, error, low, high = band(entry["curves"])
+            lines.append(error)
             for axes, along in zip(row, (samples, seconds)):
                 axes.fill_between(along, low, high, color=plots.COLOURS[name], alpha=0.2, linewidth=0)
                 axes.plot(along, error, color=plots.COLOURS[name], label=plots.LABELS[name])
         # A slope of −1 to compare with, below everything.
-        samples, _, error, *_ = band(found["auto"]["curves"])
-        row[0].plot(samples, error[0] / samples / 2, color="#999999", linestyle=":", label="slope −1")
+        least = min(line[-1] for line in lines)
+        row[0].plot(samples, least / 3 * samples[-1] / samples, color="#999999", linestyle=":", label="slope −1")
         row[0].set(title=f"{scene} under {light}", xlabel="samples a pixel", ylabel="mean squared error")
         row[1].set(title="the same against time", xlabel="processor time, s")
         for axes in row:
-            axes.set(xscale="log", yscale="log")
+            axes.set(xscale="log", yscale="log", ylim=(min(map(min, lines)) / 5, max(map(max, lines)) * 3))
         row[0].set_xscale("log", base=2)
-    all_axes[0][0].legend(loc="lower left", ncols=1)
-    drawing.tight_layout()
+    drawing.legend(*all_axes[0][0].get_legend_handles_labels(), loc="upper center", ncols=7)
+    drawing.tight_layout(rect=(0, 0, 1, 1 - 0.25 / drawing.get_figheight()))
     return drawing
+
+
+def signed(slope, error):
+    return f"{slope:.3f} ± {error:.3f}".replace("-", "−")
 
 
 def table(results):
@@ -101,7 +107,7 @@ def table(results):
         for name, entry in found.items():
             slope, error, off = verdict(entry["curves"])
             samples, seconds, errors, *_ = band(entry["curves"])[:, -1]
-            rows.append([f"{scene}, {light}", name, f"{slope:.3f} ± {error:.3f}", f"{off:+.1f}",
+            rows.append([f"{scene}, {light}", name, signed(slope, error), f"{off:+.1f}".replace("-", "−"),
                          "yes" if abs(off) <= ALLOWED else "**no**", f"{100 * entry['worst']:.1f} %", f"{errors:.3g}",
                          f"{1000 * seconds / samples:.2f}"])
     return markdown_rows(["scene, light", "strategy", "slope", "(slope + 1) / error", f"within {ALLOWED}",
@@ -115,20 +121,28 @@ def orders(found):
     return {int(n): sorted(PAPERS, key=lambda name: bands[name][n]) for n in counts}
 
 
+def reason(slope, worst):
+    """Why a slope is off."""
+    if worst < HEAVY:
+        return "its error is not in few pixels"
+    return f"{100 * worst:.0f} % of its squared error lies in the worst 0.1 % of the pixels: rare samples of large weight, " + (
+        "of which most runs have too few at first, so that the logarithm of the error begins too low on average and steps up "
+        "with each that is met" if slope > -1 else "met early and then diluted, with the square of the samples")
+
+
 def words(results):
     """Where ours differs from the papers' and why, from what was measured."""
     judged = [(f"{scene} under {light}, {name}", *verdict(entry["curves"]), entry["worst"])
               for (scene, light), found in results.items() for name, entry in found.items()]
     off = [entry for entry in judged if abs(entry[3]) > ALLOWED]
     by_chance = len(judged) * (1 - student_probability(ALLOWED, len(SEEDS) - 1))
-    lines = [plots.prose(f"""**Slopes.** {len(judged) - len(off)} of {len(judged)} are −1 within {ALLOWED} of their standard
-        errors. These come from {len(SEEDS)} seeds, so that chance alone puts about {by_chance:.1f} of them
+    lines = [plots.prose(f"""**Slopes.** {len(judged) - len(off)} of {len(judged)} are −1 within {ALLOWED} of their
+        standard errors. These come from {len(SEEDS)} seeds, so that chance alone puts about {by_chance:.1f} of them
         outside.""", "- ")]
     for place, slope, error, _, worst in off:
-        reason = (f"""{100 * worst:.0f} % of its squared error lies in the worst 0.1 % of the pixels: rare samples of large
-                  weight, of which most runs have too few at first, so that the logarithm of the error begins too low on
-                  average and steps up with each that is met""" if worst > HEAVY else "its error is not in few pixels")
-        lines.append(plots.prose(f"{place}: {slope:.3f} ± {error:.3f}; {reason}.", "  - "))
+        lines.append(plots.prose(f"{place}: {signed(slope, error)}; {reason(slope, worst)}.", "  - "))
+    first_block = [error[0] / error[list(samples).index(SLOPE_FROM)]
+                   for samples, _, error, *_ in (band(found["auto"]["curves"]) for found in results.values())]
     heaviest = max(judged, key=lambda entry: entry[4])
     lines.append(plots.prose(f"""
         **Fireflies.** The papers see visibility sampling start well, converge worse and leave more fireflies than the rest, and
@@ -137,16 +151,20 @@ def words(results):
         pixels is in {heaviest[0]}: {100 * heaviest[4]:.0f} % in 0.1 % of them. Our ε of 0.1, the papers' is 0.01, bounds the
         weight of a direction that is taken for hidden (`docs/architecture.md`).
 
-        **auto** falls faster within its first block of {SLOPE_FROM} stratified samples, which is why slopes are taken from
-        there.
+        **auto**'s error falls by {' / '.join(f"{value:.1f}" for value in first_block)} times from 1 to {SLOPE_FROM} samples,
+        its first block of stratified ones, where a slope of −1 has {SLOPE_FROM}; slopes are taken from there on.
         """, "- "))
+    lines.append(plots.prose("""**Order.** In the papers uniform sampling is worst and two-step best throughout, and
+        visibility sampling alone is better at first than later. Here, of the papers' five:""", "- "))
     for (scene, light), found in results.items():
         by_count = orders(found)
-        changes = sum(a != b for a, b in zip(list(by_count.values()), list(by_count.values())[1:]))
         (first, at_first), *_, (last, at_last) = by_count.items()
-        lines.append(plots.prose(f"""**{scene} under {light}**: {' < '.join(at_first)} at {first}, {' < '.join(at_last)} at
-            {last} samples; the order changes {changes} times between. In the papers uniform sampling is worst and two-step
-            best.""", "- "))
+        order = f"{' < '.join(at_last)} at {last} samples"
+        if any(names != at_last for names in by_count.values()):
+            order = f"{' < '.join(at_first)} at {first}, {order}"
+        uniform, visibility = (band(found[name]["curves"])[2] for name in ("uniform", "visibility"))
+        lines.append(plots.prose(f"""{scene} under {light}: {order}; uniform over visibility sampling's error from
+            {uniform[0] / visibility[0]:.2g} to {uniform[-1] / visibility[-1]:.2g}.""", "  - "))
     return "\n".join(lines)
 
 
@@ -169,10 +187,10 @@ def report(options, known, results):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--samples", type=int, default=None, help="the most, a power of two (4096)")
-    parser.add_argument("--width", type=int, default=None, help="pixels along each side (96)")
+    parser.add_argument("--width", type=int, default=None, help="pixels along each side (80)")
     options = plots.parse(parser)
     most = options.samples or (128 if options.quick else 4096)
-    options.width = options.width or (40 if options.quick else 96)
+    options.width = options.width or (40 if options.quick else 80)
     options.counts = [2 ** k for k in range(int(math.log2(most)) + 1)]
     places = figure_places(options.quick)
     known = references(places, options.width, 2 * most, options.cache)

@@ -1,13 +1,15 @@
 #!/usr/bin/python3
 """The papers' comparison at equal quality (conference figure 7): samples and time that every strategy needs for the same error.
 
-Writes equal-quality.md, .csv and .png. About five minutes on two cores.
+Writes equal-quality.md, .csv and .png. About four minutes on two cores, two of them for references that other studies
+use, too.
 
     studies/equal_quality.py [--quick] [--target-samples 32] [--output DIR] [--cache DIR]
 """
 import argparse
 import math
 import time
+from statistics import mean
 
 import plots
 from common import markdown_rows, with_error
@@ -74,23 +76,26 @@ def measure(scene, light, known, options):
 
 # --- reporting ------------------------------------------------------------------------------------------------------------
 
-def mean_needed(found, name):
-    """Samples and seconds with half of their 95 % intervals, and whether the last error was still above the target."""
+def seeds_needed(found, name):
+    """Samples and seconds of the seeds, and whether the last error was still above the target."""
     each = [needed(curve, found["target"]) for curve in found["curves"][name]]
-    beyond = any(curve[-1][1] > found["target"] for curve in found["curves"][name])
-    columns = list(zip(*each))
-    return [(sum(column) / len(column), interval_reach(column)) for column in columns], beyond
+    return list(zip(*each)), any(curve[-1][1] > found["target"] for curve in found["curves"][name])
+
+
+def amount(values, beyond):
+    """With half of the 95 % interval; what is continued beyond the samples as its range over seeds."""
+    return f"≈ {min(values):.3g} to {max(values):.3g}" if beyond else with_error(mean(values), interval_reach(values))
 
 
 def table(found):
     rows = []
-    environment = mean_needed(found, "environment")[0]
+    environment = seeds_needed(found, "environment")[0]
     for name in STRATEGIES:
-        (samples, seconds), beyond = mean_needed(found, name)
+        (samples, seconds), beyond = seeds_needed(found, name)
         shown = found["pictures"][name][1]
         mark = "≈ " if beyond else ""
-        rows.append([name, str(shown[0]), f"{shown[1]:.3g}", mark + with_error(*samples), mark + with_error(*seconds),
-                     f"{mark}{samples[0] / environment[0][0]:.3g}", f"{mark}{seconds[0] / environment[1][0]:.3g}"])
+        rows.append([name, str(shown[0]), f"{shown[1]:.3g}", amount(samples, beyond), amount(seconds, beyond),
+                     f"{mark}{mean(samples) / mean(environment[0]):.3g}", f"{mark}{mean(seconds) / mean(environment[1]):.3g}"])
     return markdown_rows(["strategy", "SPP, power of two", "its MSE", "samples for the target", "processor time, s",
                           "samples / environment's", "time / environment's"], rows)
 
@@ -98,10 +103,10 @@ def table(found):
 def words(results):
     lines = []
     for (scene, light), found in results.items():
-        amounts = {name: mean_needed(found, name) for name in STRATEGIES}
-        fewest = min(PAPERS, key=lambda name: amounts[name][0][0][0])
-        quickest = min(STRATEGIES, key=lambda name: amounts[name][0][1][0])
-        against = amounts["environment"][0][0][0] / amounts["two-step"][0][0][0]
+        amounts = {name: seeds_needed(found, name) for name in STRATEGIES}
+        fewest = min(PAPERS, key=lambda name: mean(amounts[name][0][0]))
+        quickest = min(STRATEGIES, key=lambda name: mean(amounts[name][0][1]))
+        against = mean(amounts["environment"][0][0]) / mean(amounts["two-step"][0][0])
         lines.append(plots.prose(f"""**{scene} under {light}**: of the papers' five {fewest} needs the fewest samples;
             environment sampling needs {against:.2f} times two-step's. Of all six {quickest} needs the least processor
             time.""", "- "))
@@ -124,9 +129,9 @@ def report(options, known, results):
         Conference paper, figure 7: the target is the mean squared error of two-step sampling at {options.target_samples}
         samples a pixel, and every strategy shows the power of two that comes closest to it. How many samples the target takes
         is read from the errors at powers of two, on straight lines between their logarithms; ± is half of the 95 % interval
-        over {len(SEEDS)} seeds. ≈: not reached by all of them, and continued with a slope of −1. Processor time is that of the
-        passes over all threads, without majorants, sweep and joint grid. {options.width} × {options.width} pixels, background
-        hidden; the reference's own variance is taken off.
+        over {len(SEEDS)} seeds. ≈: not reached by all of them, continued with a slope of −1, with the range over seeds.
+        Processor time is that of the passes over all threads, without majorants, sweep and joint grid. {options.width} ×
+        {options.width} pixels, background hidden; the reference's own variance is taken off.
 
         {plots.header("equal_quality", options, f"Seeds {', '.join(map(str, SEEDS))}.", describe(known))}
 
@@ -143,7 +148,7 @@ def main():
     parser.add_argument("--target-samples", type=int, default=None, help="of two-step sampling, a power of two (32)")
     options = plots.parse(parser)
     options.target_samples = options.target_samples or (8 if options.quick else 32)
-    options.width, options.reference_samples, options.most_samples = (64, 256, 64) if options.quick else (256, 2048, 256)
+    options.width, options.reference_samples, options.most_samples = (64, 256, 64) if options.quick else (256, 1024, 256)
     places = figure_places(options.quick)
     known = references(places, options.width, options.reference_samples, options.cache)
     results = {place: measure(*place, known[place], options) for place in places}

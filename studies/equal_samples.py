@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """The papers' comparison at equal samples (journal figure 10), and variance over all scenes under all lights.
 
-Writes equal-samples.md, .csv, .png and equal-samples-all.csv. About six minutes on two cores, of which half makes references that
-other studies use, too.
+Writes equal-samples.md, .csv, .png and equal-samples-all.csv. About five minutes on two cores, two of them for references
+that other studies use, too.
 
     studies/equal_samples.py [--quick] [--output DIR] [--cache DIR]
 """
@@ -40,10 +40,8 @@ def measure(scene, light, known, options):
     return errors, images
 
 
-def variances(options):
+def variances(scenes, lights, options):
     """{(scene, light): {strategy: the film's own relative variance}}: no reference is needed."""
-    scenes, lights = (QUICK_SCENES, [QUICK_LIGHT]) if options.quick else (SCENES, LIGHTS)
-    need(scenes, lights)
     found = {}
     for scene in scenes:
         plots.progress(f"{scene}: variance under {len(lights)} lights")
@@ -82,15 +80,16 @@ def gain_of(entry, name):
 
 
 def wide_table(wide):
-    def row(scene, light, entries):
-        means = [geometric_mean([gain_of(entry, name) for entry in entries]) for name in ("two-step", "auto")]
-        return [scene, light, *[f"{mean:.2f}" for mean in means]]
+    lights = list(dict.fromkeys(light for _, light in wide))
 
-    rows = [row(scene, light, [entry]) for (scene, light), entry in wide.items()]
-    for scene in dict.fromkeys(scene for scene, _ in wide):
-        rows.append(row(f"**{scene}**", "geometric mean", [entry for (of, _), entry in wide.items() if of == scene]))
-    rows.append(row("**all**", "geometric mean", list(wide.values())))
-    return markdown_rows(["scene", "light", "two-step", "auto"], rows)
+    def cell(entries):
+        return ", ".join(f"{geometric_mean([gain_of(entry, name) for entry in entries]):.2f}" for name in ("two-step", "auto"))
+
+    rows = [[scene, *[cell([wide[scene, light]]) for light in lights], cell([wide[scene, light] for light in lights])]
+            for scene in dict.fromkeys(scene for scene, _ in wide)]
+    rows.append(["geometric mean", *[cell([entry for (_, of), entry in wide.items() if of == light]) for light in lights],
+                 cell(list(wide.values()))])
+    return markdown_rows(["scene: two-step, auto", *lights, "geometric mean"], rows)
 
 
 def words(results, wide, options):
@@ -100,8 +99,8 @@ def words(results, wide, options):
     for (scene, light), (errors, _) in results.items():
         means = {n: {name: interval(errors, name, n)[0] for name in PAPERS} for n in options.counts}
         best = [f"{min(found, key=found.get)} at {n}" for n, found in means.items()]
-        lines.append(plots.prose(f"""**{scene} under {light}**: least error of the papers' five: {', '.join(best)}. At {last}
-            samples {' < '.join(sorted(means[last], key=means[last].get))}.""", "- "))
+        lines.append(plots.prose(f"""**{scene} under {light}**: least error of the papers' five: {', '.join(best)}. At
+            {last} samples {' < '.join(sorted(means[last], key=means[last].get))}.""", "- "))
     papers = "; ".join(f"{plots.slashed([a / b for a, b in zip(*columns)])} on the {name}" for name, columns in PAPER.items())
     two_step = [gain(errors, "two-step", last)[0] for errors, _ in results.values()]
     lines.append(plots.prose(f"""
@@ -165,7 +164,7 @@ def picture(known, results, counts):
     for index, ((scene, light), (_, images)) in enumerate(results.items()):
         top = index * height + TITLE
         reference = known[scene, light].radiance
-        corner = plots.noisiest_window(images["environment", counts[0]], reference, SIDE)
+        corner = plots.telling_window(reference, SIDE)
         canvas.text(f"{scene} under {light}", GAP, top - 16, fontsize=9)
         axes = canvas.image(plots.display([reference])[0], GAP, top, (LEFT, LEFT))
         plots.mark_window(axes, corner, SIDE, LEFT / reference.shape[0])
@@ -186,13 +185,15 @@ def picture(known, results, counts):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options = plots.parse(parser)
-    options.width, options.reference_samples = (64, 256) if options.quick else (256, 2048)
+    options.width, options.reference_samples = (64, 256) if options.quick else (256, 1024)
     options.counts = (2, 8, 32) if options.quick else (8, 32, 128)
     options.wide_width, options.wide_samples = (48, 32) if options.quick else (128, 64)
+    all_scenes, all_lights = (QUICK_SCENES, [QUICK_LIGHT]) if options.quick else (SCENES, LIGHTS)
+    need(all_scenes, all_lights)
     places = figure_places(options.quick)
     known = references(places, options.width, options.reference_samples, options.cache)
     results = {place: measure(*place, known[place], options) for place in places}
-    wide = variances(options)
+    wide = variances(all_scenes, all_lights, options)
     plots.write_csv(options.output / "equal-samples.csv", [
         {"scene": scene, "light": light, "strategy": name, "seed": seed, "samples": samples, "mse": mse,
          "reference_variance": known[scene, light].variance}

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The papers' comparison at equal time (journal figure 9): ten seconds for every strategy, after the sweep.
 
-Writes equal-time.md, .csv and .png. About six minutes on two cores, of which half makes references that other studies use, too.
+Writes equal-time.md, .csv and .png. About five minutes on two cores, two of them for references that other studies use, too.
 
     studies/equal_time.py [--quick] [--seconds 10] [--output DIR] [--cache DIR]
 """
@@ -151,7 +151,7 @@ def report(options, known, results, moments):
 
         ![the reference, and a part of every image](equal-time.png)
 
-        Left the reference, with the part that is magnified: where environment sampling errs most for its brightness.
+        Left the reference, with the part that is magnified: the one with the most light and shadow.
         """)
     text = ["# Equal time", about, "## Where ours differs from the paper's, and why", words(results, moments)]
     text += [f"## {scene} under {light}\n\n{table(entries)}" for (scene, light), entries in results.items()]
@@ -162,8 +162,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=None, help="for each strategy (10)")
     options = plots.parse(parser)
-    options.seconds = options.seconds or (0.3 if options.quick else 10)
-    options.width, options.reference_samples = (64, 256) if options.quick else (256, 2048)
+    options.seconds = options.seconds or (0.2 if options.quick else 10)
+    options.width, options.reference_samples = (64, 256) if options.quick else (256, 1024)
     places = figure_places(options.quick)
     known = references(places, options.width, options.reference_samples, options.cache)
     results = {place: measure(*place, known[place], options) for place in places}

@@ -88,13 +88,27 @@ def latlong(environment, height=64):
     return environment(np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1))
 
 
+def window_means(values, side):
+    sums = np.pad(values.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
+    return (sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]) / side ** 2
+
+
+def largest(score):
+    return tuple(int(i) for i in np.unravel_index(np.argmax(score), score.shape))
+
+
 def noisiest_window(image, reference, side):
     """(y, x) of the side × side window where an image differs most from the reference, relative to its brightness there."""
-    squared = ((image - reference) ** 2).mean(axis=2)
-    sums = lambda values: np.pad(values.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
-    window = lambda s: s[side:, side:] - s[:-side, side:] - s[side:, :-side] + s[:-side, :-side]
-    bright = window(sums((reference ** 2).mean(axis=2)))
-    return tuple(int(i) for i in np.unravel_index(np.argmax(window(sums(squared)) / (bright + bright.mean())), bright.shape))
+    bright = window_means((reference ** 2).mean(axis=2), side)
+    return largest(window_means(((image - reference) ** 2).mean(axis=2), side) / (bright + bright.mean()))
+
+
+def telling_window(reference, side):
+    """(y, x) of the side × side window with the most light and shadow among those that the volume fills."""
+    brightness = np.sqrt(np.maximum(reference @ LUMINANCE, 0))
+    filled, mean = window_means((brightness > 0).astype(float), side), window_means(brightness, side)
+    spread = np.maximum(window_means(brightness ** 2, side) - mean ** 2, 0)
+    return largest(np.where(filled >= 0.95 * filled.max(), spread, -1))
 
 
 class Canvas:
@@ -132,7 +146,7 @@ def mark_window(axes, corner, side, scale, colour="#ff9900"):
                                  linewidth=1))
 
 
-REFERENCE_SIZE, INSET_SIZE, WINDOW, GAP, TITLE = 256, 160, 40, 8, 18
+REFERENCE_SIZE, INSET_SIZE, WINDOW, GAP, TITLE, CAPTION = 256, 208, 52, 8, 18, 32
 
 
 def strategy_rows(rows):
@@ -141,12 +155,12 @@ def strategy_rows(rows):
     rows: (title, reference, {strategy: (image, caption)}), radiance arrays of one size; two lines of caption below each inset.
     """
     names = list(rows[0][2])
-    row_height = REFERENCE_SIZE + GAP + TITLE
+    row_height = 2 * TITLE + INSET_SIZE + CAPTION + GAP
     canvas = Canvas(GAP + REFERENCE_SIZE + (GAP + INSET_SIZE) * len(names) + GAP, row_height * len(rows))
     for index, (title, reference, entries) in enumerate(rows):
         top = index * row_height + TITLE
         shown = dict(zip(names, display([entries[name][0] for name in names], reference)))
-        corner = noisiest_window(entries["environment"][0], reference, WINDOW)
+        corner = telling_window(reference, WINDOW)
         canvas.text(title, GAP, top - 16, fontsize=9)
         axes = canvas.image(display([reference])[0], GAP, top, (REFERENCE_SIZE, REFERENCE_SIZE))
         mark_window(axes, corner, WINDOW, REFERENCE_SIZE / reference.shape[0])

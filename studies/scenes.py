@@ -88,17 +88,17 @@ def parts(scene, light):
 
 @lru_cache(maxsize=1)
 def generated():
-    """A ring around a ball with a gap in it, with hard edges as scans of bone have them: shadows and much that is hidden."""
+    """A ring around a bowl with a ball in it, their edges hard as scans of bone have them: shadows, and much that is hidden."""
     z, y, x = (np.mgrid[0:48, 0:48, 0:48] - 23.5) / 24
-    ring = 0.2 - np.hypot(np.hypot(x, y) - 0.72, z)
     radius = np.sqrt(x * x + y * y + z * z)
-    shell = np.minimum(0.06 - np.abs(radius - 0.42), 0.12 - np.minimum(0.12, 0.3 * (y < -0.2) * (np.abs(x) < 0.15)))
-    core = 0.2 - radius
-    density = np.clip(0.5 + 8 * np.maximum.reduce([ring, shell, core]), 0, 1)
+    ring = 0.18 - np.hypot(np.hypot(x, y) - 0.76, z)
+    bowl = np.minimum(0.06 - np.abs(radius - 0.48), 0.1 - z)
+    ball = 0.24 - radius
+    density = np.clip(0.5 + 8 * np.maximum.reduce([ring, bowl, ball]), 0, 1)
     volume = lumisweep.Volume(np.round(255 * density).astype(np.uint8))
     transfer_function = lumisweep.TransferFunction([
         {"value": 100, "extinction": 0.0, "albedo": [0.85, 0.62, 0.45]},
         {"value": 140, "extinction": 1.5, "albedo": [0.95, 0.88, 0.78]},
         {"value": 255, "extinction": 4.0, "albedo": [0.98, 0.96, 0.92]}])
-    camera = lumisweep.Camera(position=(50.0, -90.0, 85.0), target=(23.5, 23.5, 20.0), up=(0.0, 0.0, 1.0), vertical_fov_deg=28)
+    camera = lumisweep.Camera(position=(50.0, -80.0, 105.0), target=(23.5, 23.5, 21.0), up=(0.0, 0.0, 1.0), vertical_fov_deg=21)
     return volume, transfer_function, camera

@@ -83,13 +83,13 @@ def as_they_are(scene, light, width, slice_s, rounds):
     return Turns(sessions, slice_s).rounds(rounds)
 
 
-def alike(scene, width, slice_s, rounds):
+def alike(scene, light, width, slice_s, rounds):
     """Light and visibility the same from everywhere: all strategies have the uniform density, and only choosing differs.
 
-    The environment has the resolution of a real one and the grids their own, so the same memory is read.
+    The environment has the real one's resolution and the grids have their own, so as much memory is read.
     """
-    volume, transfer_function, camera, light = scenes.parts(scene, scenes.SKY)
-    environment = lumisweep.Environment.from_octahedral(np.ones((light.resolution, light.resolution, 3), np.float32))
+    volume, transfer_function, camera, real = scenes.parts(scene, light)
+    environment = lumisweep.Environment.from_octahedral(np.ones((real.resolution, real.resolution, 3), np.float32))
     shape = (DEFAULT.directions, DEFAULT.directions, *lumisweep.cell_centres(volume, cell=DEFAULT.cell).shape[:3])
     everywhere = lumisweep.VisibilityGrid(np.full(shape, 255, np.uint8), volume, cell=DEFAULT.cell)
     sessions = {}
@@ -188,7 +188,9 @@ def findings(prepared, real, same, filtered):
     sampling_verdict = "within the papers' 10 %" if alone < 1 + PAPERS_OVERHEAD + 2 * alone_error else (
         "more than the papers' 10 %: theirs is a share of paths that march from voxel to voxel, ours of paths that jump over "
         "empty space and look up little")
-    each = [nanoseconds_a_collision(taken, "two-step", "uniform")[0] for taken in same.values()]
+    each = {scene: nanoseconds_a_collision(taken, "two-step", "uniform")[0] for scene, taken in same.items()}
+    least, most = min(each, key=each.get), max(each, key=each.get)
+    grid_mb = {scene: memory["joint"] / 1e6 for scene, (_, memory, *_) in prepared.items()}
     return plots.prose(f"""**Memory of V**: {extent(bytes_a_voxel, 2)} bytes a voxel (64 directions of 1 byte for 4³ voxels are
         1), {memory_verdict}. But sampling descends the product with the light, which the papers build from eight cells at each
         scatter event and we keep: another {extent(joint, 1)} bytes a voxel (85 numbers of 4 bytes a cell).
@@ -199,8 +201,8 @@ def findings(prepared, real, same, filtered):
 
         **Sampling alone**, with rays alike (steps differ by {100 * apart:.1f} % at most): two-step {percent(alone, alone_error)},
         environment {percent(*mean_over(same, 'environment', 'uniform'))}, visibility
-        {percent(*mean_over(same, 'visibility', 'uniform'))}. Two-step is {sampling_verdict}. It takes {extent(each, 0)} ns a
-        collision.
+        {percent(*mean_over(same, 'visibility', 'uniform'))}. Two-step is {sampling_verdict}. It takes {each[least]:.0f} ns a
+        collision ({least}, with a joint grid of {grid_mb[least]:.2g} MB) to {each[most]:.0f} ns ({most}, {grid_mb[most]:.2g} MB).
 
         **The filter and time a path**: half angle {percent(*by_filter['half-angle'])}, full angle
         {percent(*by_filter['full-angle'])} against none. The papers say that it does not affect render time:
@@ -241,7 +243,7 @@ def main():
         plots.progress(f"{scene} under {light}")
         prepared[scene] = preparation(scene, light, width, repeats)
         real[scene] = as_they_are(scene, light, width, slice_s, rounds)
-        same[scene] = alike(scene, width, slice_s, rounds)
+        same[scene] = alike(scene, light, width, slice_s, rounds)
         filtered[scene] = filters(scene, light, width, slice_s, rounds)
 
     plot(real, same, options.output / "overhead.svg")

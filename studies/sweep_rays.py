@@ -152,7 +152,8 @@ def findings(measured, costs):
     def mean(rays, epsilon):
         return mean_relative(measured.values(), at(rays, epsilon), at("auto", epsilon))
 
-    enough = {epsilon: next(rays for rays in RAYS if math.exp(mean(rays, epsilon)[0]) < 1.05) for epsilon in EPSILONS}
+    enough = {epsilon: next(rays for i, rays in enumerate(RAYS) if all(math.exp(mean(r, epsilon)[0]) < 1.05 for r in RAYS[i:]))
+              for epsilon in EPSILONS}
     def time_of(rays):
         return geometric_mean([costs[scene, rays][0] / costs[scene, "auto"][0] for scene in measured])
 

@@ -87,7 +87,7 @@ class TransferFunction:
     """Value in data units to extinction (1 / world unit) and albedo, piecewise linear, clamped outside."""
 
     def __init__(self, points: Iterable[_Material], *, extinction_scale: float = 1.0) -> None:
-        """Points as in a scene file, {"value": v, "extinction": e, "albedo": [r, g, b]}, or tuples (v, e, (r, g, b)), by value."""
+        """By value; as in a scene file, {"value": v, "extinction": e, "albedo": [r, g, b]}, white where it is left out, or tuples."""
     @staticmethod
     def preset(name: str, volume: Volume, *, extinction_scale: float = 1.0) -> TransferFunction:
         """By name (`preset_names()`), fitted to the volume's values; "auto" chooses the preset from the data."""
@@ -201,7 +201,10 @@ class Session:
     def __init__(self, volume: Volume, transfer_function: TransferFunction | None = None, environment: Environment | None = None, *,
                  camera: Camera | None = None, image_settings: ImageSettings = ..., render_settings: RenderSettings = ...,
                  visibility_settings: VisibilitySettings = ..., threads: int = 0, isa: _Isa = "auto") -> None:
-        """What is None is chosen as for the command line: a preset, the sky, a camera that frames the volume. threads 0: all."""
+        """What is None is chosen as for the command line: a preset, the sky, a camera that frames the volume.
+
+        threads 0: all that the machine has, which is also the most.
+        """
     @staticmethod
     def load(scene: _Path | Mapping[str, Any], *, overrides: Mapping[str, Any] = ..., base_directory: _Path = ..., threads: int = 0,
              isa: _Isa = "auto") -> Session:
@@ -245,7 +248,7 @@ class Session:
         times a second.
         """
     def image(self) -> Image:
-        """The film as it is."""
+        """The film as it is; an Error before the first pass."""
     def sweep_in_background(self, threads: int = 0) -> None:
         """Edits do not wait for sweeps from now on; passes go on with the visibility that is there. threads 0: half of them."""
     def sweep_before_pass(self) -> None:
@@ -296,7 +299,7 @@ def transmittance(volume: Volume, transfer_function: TransferFunction, positions
     """From world positions [..., 3] along unit directions [..., 3] (broadcast) to the outside, in double precision.
 
     "exact": the renderer's volume, interpolated and then classified, by midpoint steps of `step_voxels`. "classified": the sweeps'
-    volume, classified to 8 bits and then interpolated, integrated exactly.
+    volume, classified to 8 bits and then interpolated, integrated exactly. 1 from positions outside of the volume.
     """
 
 def cell_centres(volume: Volume, *, cell: int = 4) -> NDArray[np.float64]:

@@ -49,7 +49,9 @@ inline Vec3d vec3_of(const py::handle& object, const char* name)
     const DoubleArray array = numbers(object, name);
     require(array.ndim() == 1 && array.shape(0) == 3, "{}: has shape {} (give three numbers)", name,
             text_of(shape_of(array)));
-    return {array.at(0), array.at(1), array.at(2)};
+    const Vec3d v{array.at(0), array.at(1), array.at(2)};
+    require(std::isfinite(length(v)), "{}: is not finite", name);
+    return v;
 }
 
 inline py::tuple tuple_of(const Vec3d& v) { return py::make_tuple(v.x, v.y, v.z); }
@@ -79,6 +81,15 @@ inline Vectors vectors_of(const py::handle& object, const char* name)
     return vectors;
 }
 
+/// Likewise, all of them finite.
+inline Vectors positions_of(const py::handle& object, const char* name)
+{
+    Vectors vectors = vectors_of(object, name);
+    for (std::size_t i = 0; i < vectors.size(); ++i)
+        require(std::isfinite(length(vectors[i])), "{}: number {} is not finite", name, i);
+    return vectors;
+}
+
 /// Likewise, none of them zero or not finite.
 inline Vectors directions_of(const py::handle& object, const char* name)
 {
@@ -94,7 +105,7 @@ inline Vectors directions_of(const py::handle& object, const char* name)
 inline std::pair<Vectors, Vectors> rays_of(const py::object& positions, const py::object& directions)
 {
     const py::sequence both = py::module_::import("numpy").attr("broadcast_arrays")(
-        vectors_of(positions, "positions").array, directions_of(directions, "directions").array);
+        positions_of(positions, "positions").array, directions_of(directions, "directions").array);
     return {vectors_of(both[0], "positions"), directions_of(both[1], "directions")};
 }
 

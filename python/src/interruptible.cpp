@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <future>
 #include <thread>
+
+#include <tbb/info.h>
 
 #include "bindings.h"
 
@@ -10,7 +13,9 @@ namespace lumisweep::python {
 std::unique_ptr<tbb::task_arena> make_arena(int threads)
 {
     require(threads >= 0 && threads <= 4096, "threads: {} is not 1 to 4096, nor 0 for all", threads);
-    const int concurrency = threads > 0 ? threads : int{tbb::task_arena::automatic};
+    // oneTBB complains on stderr when more are asked for than the machine has.
+    const int all = tbb::info::default_concurrency();
+    const int concurrency = threads > 0 ? std::min(threads, all) : all;
     return std::make_unique<tbb::task_arena>(concurrency);
 }
 

@@ -59,11 +59,13 @@ public:
     }
     void set_volume(std::shared_ptr<VolumeHandle> volume)
     {
+        require(volume != nullptr, "session: volume is None");
         edit([&](Session& s) { s.set_volume(volume->grid); });
         volume_ = std::move(volume);
     }
     void set_environment(std::shared_ptr<EnvironmentHandle> environment)
     {
+        require(environment != nullptr, "session: environment is None");
         edit([&](Session& s) { s.set_environment(environment->light); });
         environment_ = std::move(environment);
     }
@@ -141,6 +143,7 @@ std::shared_ptr<SessionHandle> from_parts(const std::shared_ptr<VolumeHandle>& v
                                           const RenderSettings& render, const VisibilitySettings& visibility,
                                           int threads, const std::string& isa)
 {
+    require(volume != nullptr, "session: volume is None");
     std::vector<std::string> notes;
     SessionInput input;
     if (transfer_function) {

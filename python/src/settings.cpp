@@ -63,6 +63,8 @@ void add_record_methods(py::class_<Settings>& cls, std::vector<std::string> name
             return copy;
         },
         "A copy with these entries changed.");
+    cls.def("__copy__", [](const Settings& self) { return Settings(self); });
+    cls.def("__deepcopy__", [](const Settings& self, const py::dict&) { return Settings(self); });
     const auto values = [names](const py::handle& self) {
         py::list list;
         for (const std::string& name : names)

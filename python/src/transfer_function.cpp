@@ -23,10 +23,14 @@ TransferPoint point_of(const py::handle& object)
                         py::str(key).cast<std::string>() == "albedo",
                     "transfer function: a point has the unknown entry {} (give value, extinction, albedo)",
                     py::str(key).cast<std::string>());
-        require(entries.contains("value") && entries.contains("extinction") && entries.contains("albedo"),
-                "transfer function: a point lacks an entry (give value, extinction, albedo)");
-        return {number(entries["value"], "value"), number(entries["extinction"], "extinction"),
-                vec3_of(entries["albedo"], "albedo")};
+        require(entries.contains("value") && entries.contains("extinction"),
+                "transfer function: a point lacks value or extinction");
+        TransferPoint point;
+        point.value = number(entries["value"], "value");
+        point.extinction = number(entries["extinction"], "extinction");
+        if (entries.contains("albedo"))
+            point.albedo = vec3_of(entries["albedo"], "albedo");
+        return point;
     }
     require(py::isinstance<py::sequence>(object) && py::len(object) == 3,
             "transfer function: a point is neither a dictionary nor (value, extinction, albedo)");

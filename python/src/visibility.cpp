@@ -223,7 +223,7 @@ void bind_visibility(py::module_& module)
         R"(From world positions [..., 3] along directions [..., 3] (broadcast) to the outside, in double precision.
 
 "exact": the renderer's volume, interpolated and then classified, by midpoint steps of step_voxels. "classified": the sweeps'
-volume, classified to 8 bits and then interpolated, integrated exactly.)");
+volume, classified to 8 bits and then interpolated, integrated exactly. 1 from positions outside of the volume.)");
     module.def("cell_centres", &cell_centres, py::arg("volume"), py::kw_only(), py::arg("cell") = 4,
                "[z, y, x, 3]: where in the world a visibility grid's values are meant.");
 }

@@ -97,7 +97,7 @@ std::shared_ptr<VolumeHandle> from_array(const py::object& voxels, const py::obj
                                          const py::object& affine, double slope, double intercept,
                                          std::optional<bool> copy)
 {
-    py::array given = py::array::ensure(voxels);
+    py::array given = py::array::ensure(voxels); // of a subclass, such as a mapped file: a view of its memory
     if (!given) {
         PyErr_Clear();
         fail("voxels: is no array of numbers");
@@ -106,8 +106,10 @@ std::shared_ptr<VolumeHandle> from_array(const py::object& voxels, const py::obj
     if (given.dtype().kind() == 'f' && given.itemsize() == 2)
         given = given.attr("astype")("float32");
     const py::array dense = py::array::ensure(given, py::array::c_style);
-    require(copy != false || dense.is(voxels),
-            "voxels: cannot be shared, they are not C-contiguous [z, y, x] (allow a copy)");
+    // A copy that was made on the way is the library's to keep.
+    const bool made =
+        !py::isinstance<py::array>(voxels) || dense.data() != py::reinterpret_borrow<py::array>(voxels).data();
+    require(copy != false || !made, "voxels: cannot be shared, they are not C-contiguous [z, y, x] (allow a copy)");
 
     ArrayVoxels array;
     array.owner = keep(dense);
@@ -123,8 +125,6 @@ std::shared_ptr<VolumeHandle> from_array(const py::object& voxels, const py::obj
     array.world_from_voxel = placed(spacing, origin, affine);
     array.slope = slope;
     array.intercept = intercept;
-    // A copy that was made on the way is the library's to keep.
-    const bool made = !dense.is(voxels);
     const Sharing sharing = made ? Sharing::where_possible : sharing_of(copy);
     ArrayVolume volume;
     {
@@ -138,6 +138,15 @@ std::shared_ptr<VolumeHandle> from_array(const py::object& voxels, const py::obj
     return handle;
 }
 
+std::vector<fs::path> paths_of(const py::object& files)
+{
+    try {
+        return files.cast<std::vector<fs::path>>();
+    } catch (const py::cast_error&) {
+        fail("files: is neither a path nor a list of paths");
+    }
+}
+
 std::shared_ptr<VolumeHandle> load(const py::object& files, int frame)
 {
     VolumeRequest request;
@@ -145,7 +154,7 @@ std::shared_ptr<VolumeHandle> load(const py::object& files, int frame)
     if (py::isinstance<py::str>(files) || py::hasattr(files, "__fspath__"))
         request.files = volume_request({{files.cast<fs::path>()}, frame}).files;
     else
-        request.files = files.cast<std::vector<fs::path>>();
+        request.files = paths_of(files);
     const py::gil_scoped_release release;
     LoadedVolume loaded = load_volume(request);
     auto handle = std::make_shared<VolumeHandle>();
@@ -251,6 +260,12 @@ layout allow; copy=False insists on it, copy=True never does.)")
         .def_property_readonly("intercept", [](const VolumeHandle& v) { return v.grid->intercept(); })
         .def_readonly("modality", &VolumeHandle::modality, "DICOM's code or empty.")
         .def_readonly("warnings", &VolumeHandle::warnings, "What reading or converting met, one line each.")
+        .def("__repr__",
+             [](const VolumeHandle& v) {
+                 const Vec3i n = v.grid->size();
+                 return fmt::format("<Volume of {} x {} x {} voxels (x, y, z), {}>", n.x, n.y, n.z,
+                                    name_of(v.grid->type()));
+             })
         .def("interpolate", &interpolate, py::arg("positions"),
              "Trilinear values in data units at world positions [..., 3]; NaN where a NaN voxel takes part.");
     module.def("inspect_volume", &inspect, py::arg("file"), "What a file's header says; no voxel is read.");

@@ -109,6 +109,20 @@ TEST(ToneMap, ShowsBrokenPixelsAsBlackAndRefusesBrokenImages)
     EXPECT_THROW(tone_map(image_of(1, {{1, 1, 1, 1}}), settings), Error);
 }
 
+TEST(ToneMap, ARenderIsShownBetweenItsVolumeAndItsBackground)
+{
+    const Image image = image_of(4, {{0.1F, 0.1F, 0.1F, 1}, {0.1F, 0.1F, 0.1F, 1}, {4, 4, 4, 0}, {4, 4, 4, 0}});
+    const double volume = automatic_exposure(image, Background::transparent);
+    const double whole = automatic_exposure(image, Background::opaque);
+    EXPECT_GT(volume, whole);
+    const ToneMapSettings opaque = display_settings(image, Background::opaque);
+    EXPECT_EQ(opaque.background, Background::opaque);
+    EXPECT_NEAR(opaque.exposure.value(), std::sqrt(volume * whole), 1e-12);
+    const ToneMapSettings transparent = display_settings(image, Background::transparent);
+    EXPECT_EQ(transparent.background, Background::transparent);
+    EXPECT_FALSE(transparent.exposure.has_value());
+}
+
 TEST(Png, GivesBackWhatWasWritten)
 {
     const ScratchFolder folder;

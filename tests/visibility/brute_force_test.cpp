@@ -38,6 +38,32 @@ TEST(BruteForce, GaussLegendreEqualsAFineMidpointRule)
     }
 }
 
+TEST(BruteForce, ExactGridIsTheExactTransmittance)
+{
+    const Vec3i size{11, 9, 7};
+    const ScalarGrid volume = ct_like(size, oblique());
+    const VisibilityGrid grid = brute_force_visibility_exact(volume, bone(), 4, 2, 0.5);
+    ASSERT_EQ(grid.cells(), (Vec3i{3, 3, 2}));
+    int partly = 0;
+    for (int d = 0; d < 4; ++d)
+        for (int i = 0; i < 3; ++i) {
+            const Vec3d p_voxel{(i + 0.5) * 11.0 / 3.0, 4.5, 7.0 / 4.0};
+            const double v = transmittance_exact(volume, bone(), p_voxel, texel_direction(d, 2), 0.5);
+            EXPECT_NEAR(grid.direction(d)[grid.cell_index(i, 1, 0)] / 255.0, v, 0.5 / 255.0 + 1e-9);
+            partly += v > 0.01 && v < 0.99 ? 1 : 0;
+        }
+    EXPECT_GT(partly, 0);
+}
+
+TEST(BruteForce, EndsWhenCancelled)
+{
+    const std::atomic<bool> cancelled = true;
+    const ScalarGrid volume = ct_like({11, 9, 7}, oblique());
+    const VisibilityGrid grid = brute_force_visibility_exact(volume, bone(), 4, 2, 0.5, &cancelled);
+    for (int d = 0; d < 4; ++d)
+        EXPECT_EQ(grid.direction(d)[0], 255); // as it was made
+}
+
 TEST(BruteForce, WholeGridAndCheckAgree)
 {
     const Vec3i size{13, 9, 10};

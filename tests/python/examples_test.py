@@ -67,6 +67,19 @@ class Gallery(unittest.TestCase):
             self.assertLess(abs(mean - means[-1][0]), 5 * np.hypot(error, means[-1][1]) + 0.02)
 
 
+class Strategies(unittest.TestCase):
+    def test_compare_strategies(self):
+        for file in ("ct_head.nrrd", "stent.nrrd", "environments/sunrise.exr"):
+            if not (ROOT / "data" / file).is_file():
+                self.skipTest(f"no data/{file}")
+        process = run(EXAMPLES / "compare_strategies.py", "--small")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        gains = dict(re.findall(r"^(\S+, \S+) +([\d.e-]+)×", process.stdout, re.MULTILINE))
+        self.assertEqual(len(gains), 12, process.stdout)
+        self.assertEqual(float(gains["stent, environment"]), 1.0)
+        self.assertGreater(float(gains["ct_head, auto"]), 1.0)
+
+
 class WithoutData(unittest.TestCase):
     def test_one_line_says_what_to_fetch(self):
         with tempfile.TemporaryDirectory() as folder:

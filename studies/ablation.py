@@ -51,13 +51,18 @@ def errors(session, settings, reference, samples, seeds, keep=lambda setting, im
     for setting in settings:
         session.visibility_settings = setting.visibility()
         measured[setting] = []
-        for seed in range(1, seeds + 1):
+        for seed in seeds:
             session.render_settings = session.render_settings.replace(seed=seed)
             image = session.render(samples=samples)
             measured[setting].append(measure.squared_error(image, reference))
-            if seed == 1:
+            if seed == seeds[0]:
                 keep(setting, image)
     return measured
+
+
+def seeds_of(case, count):
+    """Of the case of that index: every case has its own, so that errors over cases are independent."""
+    return range(1 + case * count, 1 + (case + 1) * count)
 
 
 def relative(values, base):
@@ -196,7 +201,7 @@ def main():
             plots.progress(f"{scene} under {light}")
             reference = measure.reference(scene, light, width, reference_samples, options.cache)
             session = scenes.open_session(scene, light, width=width)
-            measured[scene, light] = errors(session, all_settings(), reference, samples, seeds)
+            measured[scene, light] = errors(session, all_settings(), reference, samples, seeds_of(len(measured), seeds))
             own.append(reference.variance / np.mean(measured[scene, light][DEFAULT]))
     plots.progress("variances at points")
     exact = densities.experiment(scene_names, lights, points, fine)
@@ -204,7 +209,8 @@ def main():
     plot(measured, costs, scene_names, options.output / "ablation.svg")
     plots.write_csv(options.output / "ablation.csv", [
         {"scene": scene, "light": light, **dataclasses.asdict(setting), "seed": seed, "mse": error}
-        for (scene, light), case in measured.items() for setting, values in case.items() for seed, error in enumerate(values, 1)])
+        for index, ((scene, light), case) in enumerate(measured.items()) for setting, values in case.items()
+        for seed, error in zip(seeds_of(index, seeds), values)])
     plots.write_csv(options.output / "ablation-densities.csv", exact.rows())
 
     reference_text = (f"{reference_samples} samples of auto, seed {measure.REFERENCE_SEED}, whose own variance is taken off: at "
@@ -216,7 +222,7 @@ def main():
         {width} pixels, background hidden. Every setting has the same random numbers; ± is the standard error over seeds, also of
         the geometric means. Beside them, for {' / '.join(scene_names)}: one thread's time for the sweep and the grid's memory.
         The defaults were chosen on scenes that are among
-        these."""), plots.header("ablation", options, f"Seeds 1 to {seeds}.", reference_text),
+        these."""), plots.header("ablation", options, f"Seeds 1 to {seeds * len(measured)}, {seeds} for each scene and light.", reference_text),
         "![Epsilon, directions and cells, cost](ablation.svg)", "Error bars are two standard errors.",
         markdown_rows(["scene", f"MSE at {samples}, default"], defaults), "## What follows", findings(measured)]
     for group, settings in GROUPS.items():

@@ -6,7 +6,9 @@ Writes equal-time.md, .csv and .png. About five minutes on two cores, two of the
     studies/equal_time.py [--quick] [--seconds 10] [--output DIR] [--cache DIR]
 """
 import argparse
+import math
 import time
+from statistics import mean
 
 import plots
 from common import geometric_mean, markdown_rows, ratio, with_error
@@ -59,13 +61,17 @@ class Contender:
         return True
 
     def result(self, known):
-        """The mean of the renders, and how far its error is known: a part's error shrinks with its share of the samples."""
+        """The mean of the renders and its error: that of each of them, times its share of the samples, says what that is.
+
+        The mean of these is known twice as well as the squared error of the one image that is shown, and has an interval.
+        """
         total = sum(samples for samples, _ in self.renders)
         image = sum(samples / total * radiance for samples, radiance in self.renders)
         scaled = [squared_error(radiance, known) * samples / total for samples, radiance in self.renders]
+        relative = [relative_squared_error(radiance, known) * samples / total for samples, radiance in self.renders]
         return {"image": image, "samples": total, "seconds": sum(self.spent) / self.session.threads,
-                "mse": squared_error(image, known), "reach": interval_reach(scaled),
-                "relmse": relative_squared_error(image, known)}
+                "mse": mean(scaled), "reach": interval_reach(scaled), "relmse": mean(relative),
+                "image_mse": squared_error(image, known)}
 
 
 def measure(scene, light, known, options):
@@ -90,7 +96,7 @@ def table(entries):
     for name, entry in entries.items():
         paper = PAPER.get(name)
         rows.append([name, str(entry["samples"]), with_error(entry["mse"], entry["reach"]), f"{entry['relmse']:.3g}",
-                     with_error(*gain(entries, name)), f"{PAPER['environment'][1] / paper[1]:.2f}" if paper else "–",
+                     "1" if name == "environment" else with_error(*gain(entries, name)), f"{PAPER['environment'][1] / paper[1]:.2f}" if paper else "–",
                      f"{entry['samples'] / entries['environment']['samples']:.2f}",
                      f"{paper[0] / PAPER['environment'][0]:.2f}" if paper else "–"])
     return markdown_rows(["strategy", "SPP", "MSE", "relMSE", "gain", "gain, paper", "SPP / environment's", "same, paper"], rows)
@@ -100,6 +106,15 @@ def order(errors):
     return " < ".join(sorted(errors, key=errors.get))
 
 
+def neighbours(entries):
+    ordered = sorted(PAPER, key=lambda name: entries[name]["mse"])
+    return zip(ordered, ordered[1:])
+
+
+def told_apart(a, b):
+    return abs(a["mse"] - b["mse"]) > math.hypot(a["reach"], b["reach"])
+
+
 def words(results, moments):
     """Where ours differs from the papers' and why, from what was measured."""
     paper_order = order({name: mse for name, (_, mse) in PAPER.items()})
@@ -107,22 +122,26 @@ def words(results, moments):
               for (scene, light), entries in results.items()}
     same = [place for place, found in orders.items() if found == paper_order]
     gains = {name: [gain(entries, name)[0] for entries in results.values()] for name in ("two-step", "auto")}
+    close = [f"{place[0]} under {place[1]}, {first} and {second}" for place, entries in results.items()
+             for first, second in neighbours(entries) if not told_apart(entries[first], entries[second])]
     samples = {name: [entries[name]["samples"] / entries["environment"]["samples"] for entries in results.values()]
                for name in ("uniform", "two-step")}
     of_lights = "; ".join(f"{light}: {uniform:.0f} for uniform directions, {combined:.1f} for the averages of combined sampling"
                           for light, (uniform, combined) in moments.items())
     lines = [plots.prose(f"**Order of errors.** In the paper {paper_order}. The same: {', '.join(same) or 'nowhere'}.", "- ")]
     lines += [plots.prose(f"{place}: {found}.", "  - ") for place, found in orders.items() if found != paper_order]
+    if close:
+        lines.append(plots.prose(f"Nearer than their intervals: {'; '.join(close)}.", "  - "))
     lines.append(plots.prose(f"""
-        **Two-step against environment sampling**: {plots.slashed(gains["two-step"])} times less error in the same time,
+        **Two-step against environment sampling**, which has {plots.slashed(gains["two-step"])} times its error in the same time,
         {geometric_mean(gains["two-step"]):.2f} in the geometric mean; the paper's figure shows 4.9 / 3.0 = 1.63 for its one
         scene. What there is to gain is decided by how much of the light is hidden from where it would be seen: the number
         belongs to the scene.
 
         **Uniform, visibility and combined sampling.** The second moment of light over density, relative to the squared mean,
-        were nothing in shadow, which is 1 for the light as it is: {of_lights}. Photographed lamps and suns are a few texels;
-        the larger these moments, the further the three fall behind environment sampling, whatever they know of visibility. The
-        papers do not tell how bright their lights are.
+        were nothing in shadow, which is 1 for the light as it is: {of_lights}. Photographed lamps and suns are a few texels,
+        and this is what visibility has to make up, of which uniform sampling knows nothing. The papers do not tell how bright
+        their lights are.
 
         **Samples in the same time.** Uniform sampling makes {plots.slashed(samples["uniform"])} times environment sampling's,
         two-step {plots.slashed(samples["two-step"])} times (paper: 0.86 and 0.76). On the papers' GPU incoherent rays cost, and
@@ -130,8 +149,8 @@ def words(results, moments):
         the eight cells is drawn rather than their product built (`docs/architecture.md`).
 
         **auto** is ours: two-step's density, three collisions a camera ray, stratified numbers;
-        {plots.slashed([a / b for a, b in zip(gains["auto"], gains["two-step"])])} times less error than two-step in the same
-        time, with fewer samples, of which each is more work.
+        two-step has {plots.slashed([a / b for a, b in zip(gains["auto"], gains["two-step"])])} times its error in the same time.
+        A sample of it is more work.
 
         **Units.** Errors are of linear radiance in each light's own scale; only ratios can be laid beside the papers'.
         """, "- "))
@@ -144,8 +163,10 @@ def report(options, known, results, moments):
         (majorants, sweep, joint grid) is not counted. {options.width} × {options.width} pixels, background hidden. Other work
         may run on the machine, so strategies take turns in slices of a quarter of a second, and the clock is the processor time
         of all threads, {options.seconds:g} s × threads. An image is the mean of {RENDERS} renders of different seeds that share
-        the time; ± is half of the 95 % interval that they give. The reference's own variance is taken off. **gain**: error of
-        environment sampling over the strategy's.
+        the time. MSE in the tables is what each of the four says of their mean's, its own error times its share of the samples:
+        their average, ± half of the 95 % interval. That of the one image is below it in the picture. The reference's own
+        variance is taken off. **gain**: error of environment sampling over the strategy's, ± from both intervals as if they
+        were independent.
 
         {plots.header("equal_time", options, f"Seeds 1 to {RENDERS}.", describe(known))}
 
@@ -174,7 +195,7 @@ def main():
         for (scene, light), entries in results.items() for name, entry in entries.items()])
     plots.save(plots.strategy_rows([
         (f"{scene} under {light}", known[scene, light].radiance,
-         {name: (entry["image"], f"MSE {entry['mse']:.2e}\nSPP {entry['samples']}") for name, entry in entries.items()})
+         {name: (entry["image"], f"MSE {entry['image_mse']:.2e}\nSPP {entry['samples']}") for name, entry in entries.items()})
         for (scene, light), entries in results.items()]), options.output / "equal-time.png")
     (options.output / "equal-time.md").write_text(report(options, known, results, moments))
     print(f"Report: {options.output / 'equal-time.md'}")

@@ -14,7 +14,7 @@ import numpy as np
 import measure
 import plots
 import scenes
-from ablation import DEFAULT, PAPERS_EPSILON, Setting, errors, mean_relative, ratio_text, relative, sweep_cost
+from ablation import DEFAULT, PAPERS_EPSILON, Setting, errors, mean_relative, ratio_text, relative, seeds_of, sweep_cost
 from common import markdown_rows, mean_and_error, with_error
 
 LIGHTS = ["courtyard", "sunrise"]
@@ -54,23 +54,24 @@ class Measured:
 
     def __init__(self, part, lights, width, seeds, reference_samples, cache):
         self.part, self.width = part, width
-        self.errors, self.environment, self.images, self.references = {}, {}, {}, {}
+        self.errors, self.environment, self.images, self.references, self.seeds = {}, {}, {}, {}, {}
         settings = [at(method, epsilon) for epsilon in EPSILONS for method in part.methods]
         for scene in part.scenes:
             for light in lights:
                 plots.progress(f"{scene} under {light}")
                 case = scene, light
+                self.seeds[case] = seeds_of(len(self.seeds), seeds)
                 self.references[case] = measure.reference(scene, light, width, reference_samples, cache)
                 session = scenes.open_session(scene, light, width=width)
 
                 def keep(setting, image, case=case):
                     self.images[case, setting] = np.array(image.radiance)
 
-                self.errors[case] = errors(session, settings, self.references[case], part.samples, seeds, keep)
+                self.errors[case] = errors(session, settings, self.references[case], part.samples, self.seeds[case], keep)
                 if part.name == "smooth":
                     session = scenes.open_session(scene, light, width=width, strategy="environment")
-                    self.environment[case] = errors(session, [ENVIRONMENT_SETTING], self.references[case], part.samples, seeds,
-                                                    keep)[ENVIRONMENT_SETTING]
+                    self.environment[case] = errors(session, [ENVIRONMENT_SETTING], self.references[case], part.samples,
+                                                    self.seeds[case], keep)[ENVIRONMENT_SETTING]
 
     def own_share(self):
         """The largest part of the reference's own variance in what was measured."""
@@ -114,9 +115,13 @@ def papers_text(method, part):
     return " / ".join(f"{a / b:.2f}" for a, b in zip(PAPERS_SMOOTH[method], PAPERS_SMOOTH[NONE]))
 
 
+def more_than_noise(logarithm, error):
+    return abs(logarithm) > max(0.01, 2 * error)
+
+
 def seen(logarithm, error):
     """A ratio, and whether it is more than the noise of measuring it."""
-    verdict = "no difference seen" if abs(logarithm) < max(0.01, 2 * error) else "less" if logarithm < 0 else "more"
+    verdict = "no difference seen" if not more_than_noise(logarithm, error) else "less" if logarithm < 0 else "more"
     return f"{ratio_text(logarithm, error)} ({verdict})"
 
 
@@ -125,18 +130,20 @@ def csv_rows(measured):
                      for setting, values in of_case.items()]
     of_strategies += [(ENVIRONMENT, case, ENVIRONMENT_SETTING, values) for case, values in measured.environment.items()]
     return [{"scene": scene, "light": light, "strategy": strategy, **dataclasses.asdict(setting), "seed": seed, "mse": error}
-            for strategy, (scene, light), setting, values in of_strategies for seed, error in enumerate(values, 1)]
+            for strategy, (scene, light), setting, values in of_strategies
+            for seed, error in zip(measured.seeds[scene, light], values)]
 
 
 def findings(hard, smooth):
     lines = []
     for epsilon in EPSILONS:
         times = ("4× directions", "16× directions")
-        ahead = all(hard.ratio(HALF, epsilon, base)[0] < 0 for base in times)
+        against = hard.ratio(HALF, epsilon, times[1])
+        ahead = "we see no difference" if not more_than_noise(*against) else "so do we" if against[0] < 0 else "we do not"
         lines.append(f"""Hard visibility, ε = {epsilon:g}: of the error without a filter the half angle leaves
             {seen(*hard.ratio(HALF, epsilon))}, the full angle {seen(*hard.ratio(FULL, epsilon))}, 4× directions
             {seen(*hard.ratio(times[0], epsilon))} and 16× directions {seen(*hard.ratio(times[1], epsilon))}. The papers see the
-            filter ahead of 16× directions: {'so do we' if ahead else 'we do not'}; the half angle leaves
+            filter ahead of 16× directions: {ahead}; the half angle leaves
             {seen(*hard.ratio(HALF, epsilon, times[0]))} of the error of 4×, {seen(*hard.ratio(HALF, epsilon, times[1]))} of that
             of 16×.""")
     for epsilon in EPSILONS:
@@ -145,15 +152,15 @@ def findings(hard, smooth):
             {seen(*smooth.environment_ratio(epsilon))}; the papers' two images have {papers_text(HALF, smooth.part)},
             {papers_text(FULL, smooth.part)} and {papers_text(ENVIRONMENT, smooth.part)}.""")
     low, high = EPSILONS
-    gain = {epsilon: math.exp(hard.ratio(HALF, epsilon)[0]) for epsilon in EPSILONS}
+    (at_low, low_error), (at_high, high_error) = (hard.ratio(HALF, epsilon) for epsilon in EPSILONS)
     share = {epsilon: 100 * hard.share_of_worst(NONE, epsilon) for epsilon in EPSILONS}
-    if gain[low] < gain[high] and share[low] > share[high]:
+    if at_low < 0 and more_than_noise(at_low - at_high, math.hypot(low_error, high_error)) and share[low] > share[high] + 1:
         lines.append(f"""Why the filter is worth more at the smaller ε: where V of a cell is 0 and a part of the cell is lit, the
             density there is ε times the light's, and the rare hit weighs 1 / ε. Unfiltered, the worst hundredth of the pixels has
             {share[low]:.0f} % of the squared error at ε = {low:g} and {share[high]:.0f} % at ε = {high:g}. The filter and a
-            larger ε both lift such zeros, and what one has done the other need not: the half angle leaves {gain[low]:.2f} of the
-            unfiltered error at the one and {gain[high]:.2f} at the other.""")
-    if any(smooth.ratio(HALF, epsilon)[0] > 0 for epsilon in EPSILONS):
+            larger ε both lift such zeros, and what one has done the other need not: the half angle leaves
+            {math.exp(at_low):.2f} of the unfiltered error at the one and {math.exp(at_high):.2f} at the other.""")
+    if any(more_than_noise(*smooth.ratio(HALF, epsilon)) and smooth.ratio(HALF, epsilon)[0] > 0 for epsilon in EPSILONS):
         lines.append("""Why it can cost: V lies at the cells' centres and is interpolated between them, which is an average
             already, and where V varies smoothly it is a good one. The filter averages over the cell before that, and both
             together blur more than is needed.""")
@@ -223,7 +230,8 @@ def main():
         background hidden, cells of {DEFAULT.cell}³ voxels, {DEFAULT.directions}² directions. All settings have the same random
         numbers: ratios are geometric means over scenes and lights of ratios at equal seeds, ± the standard error over seeds. Half
         angle is β = π/32, half of a texel's half opening angle; full angle π/16."""),
-        plots.header("sweep_filter", options, f"Seeds 1 to {seeds}; pictures show seed 1.", reference_text), findings(*both),
+        plots.header("sweep_filter", options, f"""Seeds 1 to {seeds * max(len(measured.errors) for measured in both)}, {seeds} for
+            each scene and light of a figure; pictures show the first of them.""", reference_text), findings(*both),
         *texts, plots.prose(f"""
         In the pictures the lower rows are the difference from the reference, mean over R, G and B of |image − reference|, white
         at half of the reference's 99th percentile. Sweep: one thread, the least of three, for

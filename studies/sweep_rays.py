@@ -14,7 +14,7 @@ import numpy as np
 import measure
 import plots
 import scenes
-from ablation import DEFAULT, PAPERS_EPSILON, Setting, errors, mean_relative, ratio_text, relative, sweep_cost
+from ablation import DEFAULT, PAPERS_EPSILON, Setting, errors, mean_relative, ratio_text, relative, seeds_of, sweep_cost
 from common import geometric_mean, markdown_rows, mean_and_error, with_error
 from densities import random_rays
 from papers import PAPER_CELLS, PAPER_SWEEPS
@@ -191,7 +191,7 @@ def main():
             images[scene, setting] = np.array(image.radiance)
 
         settings = [at(rays, epsilon) for rays in RAYS for epsilon in EPSILONS]
-        measured[scene] = errors(session, settings, references[scene], samples, seeds, keep)
+        measured[scene] = errors(session, settings, references[scene], samples, seeds_of(len(measured), seeds), keep)
         accuracy[scene] = visibility_errors(session.volume, session.transfer_function, RAYS, cells, times)
         costs.update({(scene, rays): sweep_cost(scene, light, Setting(rays=rays), 5) for rays in RAYS})
 
@@ -201,7 +201,8 @@ def main():
         {"scene": scene, "light": light, **dataclasses.asdict(setting), "seed": seed, "mse": error,
          "sweep_s": costs[scene, setting.rays][0], "rms_unfiltered_to_centres": accuracy[scene][setting.rays, "centres"][0],
          "rms_filtered_to_averages": accuracy[scene][setting.rays, "averages"][0]}
-        for scene, case in measured.items() for setting, values in case.items() for seed, error in enumerate(values, 1)])
+        for index, (scene, case) in enumerate(measured.items()) for setting, values in case.items()
+        for seed, error in zip(seeds_of(index, seeds), values)])
     own = max(references[scene].variance / np.mean(values) for scene, case in measured.items() for values in case.values())
     reference_text = (f"{reference_samples} samples of auto, seed {measure.REFERENCE_SEED}; their own variance is taken off, at "
                       f"most {100 * own:.2g} % of what is measured")
@@ -213,7 +214,8 @@ def main():
         visibility from sweeps of 16² to 256² rays and of `auto`, which takes every voxel of these volumes. {width} × {width}
         pixels, background hidden, {DEFAULT.filter} filter, cells of {DEFAULT.cell}³ voxels, {DEFAULT.directions}² directions. All
         settings have the same random
-        numbers."""), plots.header("sweep_rays", options, f"Seeds 1 to {seeds}; pictures show seed 1.", reference_text),
+        numbers."""), plots.header("sweep_rays", options, f"Seeds 1 to {seeds * len(measured)}, {seeds} for each scene; pictures show the first of them.",
+        reference_text),
         findings(measured, costs), "![Images by rays](sweep-rays.png)", plots.prose(f"""
         ε = {DEFAULT.epsilon:g}; beside each image the marked window and the difference from the reference, mean over R, G and B
         of |image − reference|, white at half of the reference's 99th percentile."""),

@@ -38,15 +38,17 @@ def doubling(session, known, most, target, images):
 
 
 def needed(curve, target):
-    """(samples, seconds) for the target: straight lines between powers of two in logarithms, beyond them a slope of −1."""
+    """(samples, seconds) from which on the error stays below the target.
+
+    Straight lines between powers of two in logarithms, beyond them a slope of −1.
+    """
     logs = [(math.log(n), math.log(error)) for n, error, _ in curve if error > 0]
-    for (x0, y0), (x1, y1) in zip(logs, logs[1:]):
-        if y1 <= math.log(target) <= y0:
-            samples = math.exp(x0 + (x1 - x0) * (y0 - math.log(target)) / (y0 - y1))
-            break
+    above = [index for index, (_, y) in enumerate(logs) if y > math.log(target)]
+    if above and above[-1] + 1 < len(logs):
+        (x0, y0), (x1, y1) = logs[above[-1]:above[-1] + 2]
+        samples = math.exp(x0 + (x1 - x0) * (y0 - math.log(target)) / (y0 - y1))
     else:
-        # Beyond the first or the last point.
-        x, y = logs[0] if math.log(target) > logs[0][1] else logs[-1]
+        x, y = logs[-1] if above else logs[0]
         samples = math.exp(x + y - math.log(target))
     return samples, samples * curve[-1][2] / curve[-1][0]
 
@@ -89,35 +91,49 @@ def amount(values, beyond):
 
 def table(found):
     rows = []
-    environment = seeds_needed(found, "environment")[0]
+    environment, environment_beyond = seeds_needed(found, "environment")
     for name in STRATEGIES:
         (samples, seconds), beyond = seeds_needed(found, name)
         shown = found["pictures"][name][1]
-        mark = "≈ " if beyond else ""
+        mark = "≈ " if beyond or environment_beyond else ""
         rows.append([name, str(shown[0]), f"{shown[1]:.3g}", amount(samples, beyond), amount(seconds, beyond),
                      f"{mark}{mean(samples) / mean(environment[0]):.3g}", f"{mark}{mean(seconds) / mean(environment[1]):.3g}"])
     return markdown_rows(["strategy", "SPP, power of two", "its MSE", "samples for the target", "processor time, s",
                           "samples / environment's", "time / environment's"], rows)
 
 
+def least(amounts):
+    """The name of the smallest mean, and with it those whose difference from it is less than its 95 % interval over seeds."""
+    ordered = sorted(amounts, key=lambda name: mean(amounts[name]))
+    first = amounts[ordered[0]]
+
+    def told_apart(name):
+        differences = [a - b for a, b in zip(amounts[name], first)]
+        return mean(differences) > interval_reach(differences)
+
+    return " or ".join([ordered[0], *(name for name in ordered[1:] if not told_apart(name))])
+
+
 def words(results):
     lines = []
     for (scene, light), found in results.items():
         amounts = {name: seeds_needed(found, name) for name in STRATEGIES}
-        fewest = min(PAPERS, key=lambda name: mean(amounts[name][0][0]))
-        quickest = min(STRATEGIES, key=lambda name: mean(amounts[name][0][1]))
-        against = mean(amounts["environment"][0][0]) / mean(amounts["two-step"][0][0])
-        lines.append(plots.prose(f"""**{scene} under {light}**: of the papers' five {fewest} needs the fewest samples;
-            environment sampling needs {against:.2f} times two-step's. Of all six {quickest} needs the least processor
-            time.""", "- "))
         far = [name for name in STRATEGIES if amounts[name][1]]
+        fewest = least({name: amounts[name][0][0] for name in PAPERS if name not in far})
+        quickest = least({name: amounts[name][0][1] for name in STRATEGIES if name not in far})
+        against = mean(amounts["environment"][0][0]) / mean(amounts["two-step"][0][0])
+        lines.append(plots.prose(f"""**{scene} under {light}**: the fewest samples of the papers' five: {fewest}; environment
+            sampling needs {against:.2f} times two-step's. The least processor time of all six: {quickest}.""", "- "))
         if far:
             most = max(curve[-1][0] for name in far for curve in found["curves"][name])
-            lines.append(plots.prose(f"Not reached within {most} samples, and told by a slope of −1: {', '.join(far)}.", "  - "))
-    lines.append(plots.prose("""
+            lines.append(plots.prose(f"""Not reached by all seeds within {most} samples, and told by a slope of −1:
+                {', '.join(far)}.""", "  - "))
+    lines.append(plots.prose(f"""
+        “Or” stands between what {len(SEEDS)} seeds do not tell apart.
+
         **The paper** says that two-step “requires significantly less samples” and prints its counts inside the figure alone:
-        its text has no number to lay beside ours. What ours says depends on how much light is hidden and on the lamps in it
-        (`equal-time.md`); lamps put uniform, visibility and combined sampling further behind than a few powers of two.
+        its text has no number to lay beside ours. What ours says depends on how much light is hidden and on the lamps in it,
+        which directions that do not know them meet rarely (`equal-time.md`).
 
         **Samples are not time.** A sample of auto is three shadow rays, and costs accordingly: compare the columns of time.
         """, "- "))

@@ -96,7 +96,8 @@ def table(entries):
     for name, entry in entries.items():
         paper = PAPER.get(name)
         rows.append([name, str(entry["samples"]), with_error(entry["mse"], entry["reach"]), f"{entry['relmse']:.3g}",
-                     "1" if name == "environment" else with_error(*gain(entries, name)), f"{PAPER['environment'][1] / paper[1]:.2f}" if paper else "–",
+                     "1" if name == "environment" else with_error(*gain(entries, name)),
+                     f"{PAPER['environment'][1] / paper[1]:.2f}" if paper else "–",
                      f"{entry['samples'] / entries['environment']['samples']:.2f}",
                      f"{paper[0] / PAPER['environment'][0]:.2f}" if paper else "–"])
     return markdown_rows(["strategy", "SPP", "MSE", "relMSE", "gain", "gain, paper", "SPP / environment's", "same, paper"], rows)

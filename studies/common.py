@@ -148,7 +148,8 @@ def commit():
     try:
         git = ["git", "-C", str(ROOT)]
         name = subprocess.run([*git, "rev-parse", "--short", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
-        changed = subprocess.run([*git, "status", "--porcelain", "--", "src", "bench"], check=True, capture_output=True, text=True)
+        changed = subprocess.run([*git, "status", "--porcelain", "--", "src", "bench", "python", "studies"], check=True,
+                                 capture_output=True, text=True)
         return name + (" with changes" if changed.stdout.strip() else "")
     except (OSError, subprocess.CalledProcessError):
         return "unknown"

@@ -7,6 +7,7 @@ that other studies use, too.
     studies/equal_samples.py [--quick] [--output DIR] [--cache DIR]
 """
 import argparse
+import math
 
 import plots
 from common import geometric_mean, markdown_rows, ratio, with_error
@@ -14,6 +15,9 @@ from measure import describe, interval_reach, radiance_of, references, squared_e
 from scenes import LIGHTS, PAPERS, QUICK_LIGHT, QUICK_SCENES, SCENES, STRATEGIES, figure_places, need, open_session, parts
 
 SEEDS = (1, 2, 3)
+# For variance over all scenes and lights: halves of the samples with seeds of their own, which tell how sure it is.
+WIDE_SEEDS = (1, 2)
+WIDE = ("environment", "two-step", "auto")
 
 # Journal paper, figure 10, two-step and environment sampling: mean squared errors from the fewest samples to the most.
 PAPER = {"Beetle": ((106.77, 10.21, 5.17), (88.62, 8.18, 4.21)), "Statue": ((149.98, 22.93, 5.75), (12.02, 1.56, 0.4)),
@@ -41,18 +45,20 @@ def measure(scene, light, known, options):
 
 
 def variances(scenes, lights, options):
-    """{(scene, light): {strategy: the film's own relative variance}}: no reference is needed."""
+    """{(scene, light): {strategy: the film's own relative variance with each seed}}: no reference is needed."""
     found = {}
     for scene in scenes:
         plots.progress(f"{scene}: variance under {len(lights)} lights")
-        session = open_session(scene, lights[0], width=options.wide_width, seed=1)
+        session = open_session(scene, lights[0], width=options.wide_width)
         for light in lights:
             session.environment = parts(scene, light)[3]
             found[scene, light] = {}
-            for name in ("environment", "two-step", "auto"):
-                session.render_settings = session.render_settings.replace(strategy=name)
-                session.render(samples=options.wide_samples)
-                found[scene, light][name] = session.noise ** 2
+            for name in WIDE:
+                found[scene, light][name] = []
+                for seed in WIDE_SEEDS:
+                    session.render_settings = session.render_settings.replace(strategy=name, seed=seed)
+                    session.render(samples=options.wide_samples)
+                    found[scene, light][name].append(session.noise ** 2)
     return found
 
 
@@ -71,12 +77,19 @@ def table(errors, counts):
     rows = []
     for name in STRATEGIES:
         rows.append([name, *[with_error(*interval(errors, name, n)) for n in counts],
-                     *[with_error(*gain(errors, name, n)) for n in counts]])
+                     *["1" if name == "environment" else with_error(*gain(errors, name, n)) for n in counts]])
     return markdown_rows(["strategy", *[f"MSE at {n}" for n in counts], *[f"gain at {n}" for n in counts]], rows)
 
 
 def gain_of(entry, name):
-    return entry["environment"] / entry[name]
+    return sum(entry["environment"]) / sum(entry[name])
+
+
+def gain_error(wide, name):
+    """Relative standard error of a gain, root mean square over places: from what the seeds' logarithms differ by."""
+    differences = [math.log(entry["environment"][0] / entry[name][0]) - math.log(entry["environment"][1] / entry[name][1])
+                   for entry in wide.values()]
+    return math.sqrt(sum(difference ** 2 for difference in differences) / len(differences)) / 2
 
 
 def wide_table(wide):
@@ -105,9 +118,9 @@ def words(results, wide, options):
     two_step = [gain(errors, "two-step", last)[0] for errors, _ in results.values()]
     lines.append(plots.prose(f"""
         **Two-step against environment sampling.** The paper's figure has {papers}, from the fewest samples to the most. Ours at
-        {last} samples: {plots.slashed(two_step)}. The scenes are not the same, and what there is to gain is one over the share
-        of the light that arrives, more or less. In the paper two-step is best at every count; here, where the lines above say
-        so.
+        {last} samples: {plots.slashed(two_step)}. The scenes are not the same, and what there is to gain is, for hard shadows,
+        one over the share of the light that arrives. In the paper two-step is best at every count; here, where the lines above
+        say so.
         """, "- "))
     far = [name for name in ("uniform", "visibility", "combined")
            if any(gain(errors, name, last)[0] < 0.1 for errors, _ in results.values())]
@@ -118,11 +131,12 @@ def words(results, wide, options):
             with a large weight; `equal-time.md` has the second moments of these lights.
             """, "- "))
     ratios = [gain_of(entry, "two-step") for entry in wide.values()]
-    worse = [f"{scene} under {light}" for (scene, light), entry in wide.items() if gain_of(entry, "two-step") < 1]
+    sure = 2 * gain_error(wide, "two-step")
+    worse = [f"{scene} under {light}" for (scene, light), entry in wide.items() if gain_of(entry, "two-step") < 1 - sure]
     lines.append(plots.prose(f"""
         **Over all scenes and lights** environment sampling has {min(ratios):.2f} to {max(ratios):.2f} times two-step's
-        variance, below 1 in {len(worse)} of {len(wide)}{': ' * bool(worse)}{', '.join(worse)}. Where nearly all light arrives,
-        visibility has nothing to tell.
+        variance, below 1 by more than two standard errors in {len(worse)} of {len(wide)}{': ' * bool(worse)}{', '.join(worse)}.
+        Where nearly all light arrives, visibility has nothing to tell.
 
         **auto** is ours. A sample of it is three collisions and shadow rays: at equal samples it does more work, at equal time
         (`equal-time.md`) it does not.
@@ -134,7 +148,8 @@ def report(options, known, results, wide):
     about = plots.prose(f"""
         Journal paper, figure 10: every strategy at {', '.join(map(str, options.counts))} samples a pixel. {options.width} ×
         {options.width} pixels, background hidden; ± is half of the 95 % interval over {len(SEEDS)} seeds, and the reference's
-        own variance is taken off. **gain**: error of environment sampling over the strategy's.
+        own variance is taken off. **gain**: error of environment sampling over the strategy's, ± from both intervals as if they
+        were independent. Counts of one seed are of one progressive render, so that neighbouring columns are not independent.
 
         {plots.header("equal_samples", options, f"Seeds {', '.join(map(str, SEEDS))}.", describe(known))}
 
@@ -146,9 +161,12 @@ def report(options, known, results, wide):
     text = ["# Equal samples", about, "## Where ours differs from the paper's, and why", words(results, wide, options)]
     text += [f"## {scene} under {light}\n\n{table(errors, options.counts)}" for (scene, light), (errors, _) in results.items()]
     text += ["## All scenes, all lights", plots.prose(f"""
-        How many times less variance than environment sampling has, at {options.wide_samples} samples a pixel of
+        Environment sampling's variance over the strategy's, at {options.wide_samples} samples a pixel of
         {options.wide_width} × {options.wide_width}: the film's own estimate (`Session.noise`, squared), which for auto comes
-        from its blocks of 16 stratified samples. Seed 1; a percent or two is noise. All numbers: equal-samples-all.csv.
+        from its blocks of 16 stratified samples. Mean of seeds {' and '.join(map(str, WIDE_SEEDS))}; the standard error of a
+        number, by what the two differ by, is {100 * gain_error(wide, 'two-step'):.2g} % for two-step and
+        {100 * gain_error(wide, 'auto'):.2g} % for auto, root mean square over scenes and lights. All numbers:
+        equal-samples-all.csv.
         """), wide_table(wide)]
     return "\n\n".join(text) + "\n"
 
@@ -187,7 +205,7 @@ def main():
     options = plots.parse(parser)
     options.width, options.reference_samples = (64, 256) if options.quick else (256, 1024)
     options.counts = (2, 8, 32) if options.quick else (8, 32, 128)
-    options.wide_width, options.wide_samples = (48, 32) if options.quick else (128, 64)
+    options.wide_width, options.wide_samples = (48, 32) if options.quick else (128, 48)
     all_scenes, all_lights = (QUICK_SCENES, [QUICK_LIGHT]) if options.quick else (SCENES, LIGHTS)
     need(all_scenes, all_lights)
     places = figure_places(options.quick)
@@ -200,8 +218,9 @@ def main():
         for (scene, light), (errors, _) in results.items() for name in STRATEGIES
         for seed, found in zip(SEEDS, errors[name]) for samples, mse in found.items()])
     plots.write_csv(options.output / "equal-samples-all.csv", [
-        {"scene": scene, "light": light, "strategy": name, "samples": options.wide_samples, "relative_variance": value}
-        for (scene, light), entry in wide.items() for name, value in entry.items()])
+        {"scene": scene, "light": light, "strategy": name, "seed": seed, "samples": options.wide_samples,
+         "relative_variance": value}
+        for (scene, light), entry in wide.items() for name, values in entry.items() for seed, value in zip(WIDE_SEEDS, values)])
     plots.save(picture(known, results, options.counts), options.output / "equal-samples.png")
     (options.output / "equal-samples.md").write_text(report(options, known, results, wide))
     print(f"Report: {options.output / 'equal-samples.md'}")

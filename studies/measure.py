@@ -25,6 +25,7 @@ class Reference:
     samples: int
     seed: int
     relative_variance: float  # the same over (radiance² + RELATIVE_OFFSET)
+    doubt: float              # standard error of the squared error that it really has, relative to `variance`
 
 
 # --- references -----------------------------------------------------------------------------------------------------------
@@ -47,8 +48,11 @@ def reference(scene, light, width, samples, cache):
         partial.rename(file)
     with np.load(file) as kept:
         radiance, variance = kept["radiance"].astype(np.float64), kept["variance"].astype(np.float64)
+    # Of normal errors, which the three channels of a pixel share; it is the same for all that is compared with the reference.
+    of_pixels = variance.sum(axis=2)
+    doubt = float(np.sqrt(2 * (of_pixels ** 2).sum()) / of_pixels.sum()) if of_pixels.any() else 0.0
     return Reference(radiance, float(variance.mean()), samples, REFERENCE_SEED,
-                     float((variance / (radiance ** 2 + RELATIVE_OFFSET)).mean()))
+                     float((variance / (radiance ** 2 + RELATIVE_OFFSET)).mean()), doubt)
 
 
 def references(places, width, samples, cache):
@@ -62,7 +66,7 @@ def references(places, width, samples, cache):
 def describe(known):
     """For reports: how references were made and how sure they are."""
     return "; ".join(f"{scene} under {light}, auto, {entry.samples} samples, seed {entry.seed}, "
-                     f"own variance {entry.variance:.2g}"
+                     f"own variance {entry.variance:.2g} ± {100 * entry.doubt:.1g} %"
                      for (scene, light), entry in known.items())
 
 

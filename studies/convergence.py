@@ -182,8 +182,8 @@ def report(options, known, results):
         one render, so that the bands of neighbours are not independent. Where few pixels have most of the error the mean of the
         logarithm is below the logarithm of the mean. The reference's own variance is taken off; what is not known of it (±
         below) is the same for all seeds and not in the bands, at most {100 * unknown:.2g} % of an error. Processor time is that
-        of the passes over all threads, without majorants, sweep and joint grid. Slopes are least-squares lines through the logarithms from {SLOPE_FROM} samples on, one a seed; ± is the standard error over seeds,
-        which are independent.
+        of the passes over all threads, without majorants, sweep and joint grid. Slopes are least-squares lines through the
+        logarithms from {SLOPE_FROM} samples on, one a seed; ± is the standard error over seeds, which are independent.
 
         {plots.header("convergence", options, f"Seeds {', '.join(map(str, SEEDS))}.", describe(known))}
 

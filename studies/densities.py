@@ -234,9 +234,9 @@ class Experiment:
         for epsilon in EPSILONS:
             both = {text: self.mean_ratio(epsilon, name, base) for text, name, base in RATIOS}
             bits, bits_error = both["8 bits / float"]
-            seen = "which is nothing" if abs(bits - 1) < max(0.005, 2 * bits_error) else "which shows"
+            seen = "no difference seen" if abs(bits - 1) < max(0.005, 2 * bits_error) else "which shows"
             classified, error = both["classified first / interpolated first"]
-            which = ("makes no difference" if abs(classified - 1) < max(0.005, 2 * error) else
+            which = ("makes no difference that is seen" if abs(classified - 1) < max(0.005, 2 * error) else
                      f"costs {100 * (classified - 1):.2g} %" if classified > 1 else f"saves {100 * (1 - classified):.2g} %")
             lines.append(f"""ε = {epsilon:g}: rounding V to 8 bits leaves {with_error(bits, bits_error)} of the variance,
 {seen}. To classify voxels to 8 bits and interpolate then, as sweeps do, {which} against interpolating first, as the renderer

@@ -185,7 +185,9 @@ def findings(prepared, real, same, filtered):
         "so the papers' “equal to the original data volume” holds for 8 bits a voxel, and it is half of the volume for 16"
         if max(bytes_a_voxel) < 1.2 else
         "more than the papers' “equal to the original data volume”, since cells at the sides are cut off")
-    sampling_verdict = "within the papers' 10 %" if alone < 1 + PAPERS_OVERHEAD + 2 * alone_error else (
+    beyond = alone - 1 - PAPERS_OVERHEAD
+    sampling_verdict = (
+        "about the papers' 10 %" if abs(beyond) < 2 * alone_error else "within the papers' 10 %" if beyond < 0 else
         "more than the papers' 10 %: theirs is a share of paths that march from voxel to voxel, ours of paths that jump over "
         "empty space and look up little")
     each = {scene: nanoseconds_a_collision(taken, "two-step", "uniform")[0] for scene, taken in same.items()}

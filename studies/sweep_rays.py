@@ -213,9 +213,8 @@ def main():
         The conference paper's Figure 5 on public data: two-step sampling under {light}, {samples} samples a pixel, with
         visibility from sweeps of 16² to 256² rays and of `auto`, which takes every voxel of these volumes. {width} × {width}
         pixels, background hidden, {DEFAULT.filter} filter, cells of {DEFAULT.cell}³ voxels, {DEFAULT.directions}² directions. All
-        settings have the same random
-        numbers."""), plots.header("sweep_rays", options, f"Seeds 1 to {seeds * len(measured)}, {seeds} for each scene; pictures show the first of them.",
-        reference_text),
+        settings have the same random numbers."""), plots.header("sweep_rays", options, f"""Seeds 1 to {seeds * len(measured)},
+        {seeds} for each scene; pictures show the first of them.""", reference_text),
         findings(measured, costs), "![Images by rays](sweep-rays.png)", plots.prose(f"""
         ε = {DEFAULT.epsilon:g}; beside each image the marked window and the difference from the reference, mean over R, G and B
         of |image − reference|, white at half of the reference's 99th percentile."""),

@@ -142,8 +142,8 @@ def findings(measured):
         of_ours = "" if least == DEFAULT.epsilon else (
             f", {against(Setting(filter=kind, epsilon=least), Setting(filter=kind))} of that of our ε = {DEFAULT.epsilon:g}")
         lines.append(f"""Filter {kind}: ε = {least:g} has the least error of those tried{of_ours}; the papers'
-            ε = {PAPERS_EPSILON:g} leaves {against(Setting(filter=kind, epsilon=PAPERS_EPSILON), Setting(filter=kind))} of the error of our
-            ε = {DEFAULT.epsilon:g}.""")
+            ε = {PAPERS_EPSILON:g} leaves {against(Setting(filter=kind, epsilon=PAPERS_EPSILON), Setting(filter=kind))} of the
+            error of our ε = {DEFAULT.epsilon:g}.""")
     for epsilon in (PAPERS_EPSILON, DEFAULT.epsilon):
         half, full = (against(Setting(filter=kind, epsilon=epsilon), Setting(filter="none", epsilon=epsilon))
                       for kind in FILTERS[1:])

@@ -223,7 +223,8 @@ def main():
         Squared error at {samples} samples a pixel over that of the default (ε = {DEFAULT.epsilon:g}, {DEFAULT.filter} filter,
         cells of {DEFAULT.cell}³ voxels, {DEFAULT.directions}² directions, every voxel a ray); below 1 is better. {width} ×
         {width} pixels, background hidden. Every setting has the same random numbers; ± is the standard error over seeds, also of
-        the geometric means. Beside them, for {' / '.join(scene_names)}: one thread's time for the sweep and the grid's memory.
+        the geometric means. The smaller ε, the rarer and larger are samples in directions taken for hidden: what few renders may
+        miss ± does not know. Beside them, for {' / '.join(scene_names)}: one thread's time for the sweep and the grid's memory.
         The defaults were chosen on scenes that are among these."""), plots.header(
             "ablation", options, f"Seeds 1 to {seeds * len(measured)}, {seeds} for each scene and light.", reference_text),
         "![Epsilon, directions and cells, cost](ablation.svg)", "Error bars are two standard errors.",

@@ -126,7 +126,8 @@ def orders(found):
 def reason(slope, worst):
     """Why a slope is off."""
     if worst < HEAVY:
-        return "its error is not in few pixels; chance, and what is not known of the reference's own part, remain"
+        return (f"{100 * worst:.0f} % of its squared error lies in the worst 0.1 % of the pixels, so that fireflies tell little; "
+                "chance, milder rare samples, and what is not known of the reference's own part, remain")
     return f"{100 * worst:.0f} % of its squared error lies in the worst 0.1 % of the pixels: rare samples of large weight, " + (
         "of which a run has too few at first, and its error steps up with each that it meets" if slope > -1 else
         "met early and then diluted, with the square of the samples")

@@ -186,7 +186,7 @@ def parse(parser):
     options = parser.parse_args()
     options.output = options.output or ROOT / ("out/studies" if options.quick else "docs/results")
     options.output.mkdir(parents=True, exist_ok=True)
-    options.started, options.load_before = time.time(), load()
+    options.started, options.load_before, options.commit = time.time(), load(), commit()
     return options
 
 
@@ -220,7 +220,7 @@ def header(study, options, seeds, reference=None):
     """Where, when and with which numbers a study was made, and how to make it again."""
     known = f" References: {reference}." if reference else ""
     minutes = (time.time() - options.started) / 60
-    return prose(f"""Measured on {processor()}, {cores()} cores, {lumisweep.available_isas()[0]}, commit {commit()},
+    return prose(f"""Measured on {processor()}, {cores()} cores, {lumisweep.available_isas()[0]}, commit {options.commit},
         {time.strftime('%Y-%m-%d', time.gmtime())}, {minutes:.1f} minutes; load average {options.load_before:.1f} before.
         {seeds}{known} Regenerate with `studies/{study}.py{' --quick' if options.quick else ''}`.""")
 

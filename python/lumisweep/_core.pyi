@@ -30,7 +30,7 @@ class Error(RuntimeError):
 class Volume:
     """A regular grid of scalar voxels, placed in the world."""
 
-    def __init__(self, voxels: ArrayLike, *, spacing: _Point = ..., origin: _Point = ..., affine: ArrayLike | None = None,
+    def __init__(self, voxels: ArrayLike, *, spacing: ArrayLike | None = None, origin: ArrayLike | None = None, affine: ArrayLike | None = None,
                  slope: float = 1.0, intercept: float = 0.0, copy: bool | None = None) -> None:
         """From an array [z, y, x]; value = slope · voxel + intercept, in the data's own units.
 
@@ -137,7 +137,7 @@ def octahedral_directions(n: int) -> NDArray[np.float64]:
     """[n, n, 3]: unit directions of the texels' centres, row v, column u. Every texel covers 4π / n² sr."""
 
 # --- settings -------------------------------------------------------------------------------------------------------------
-# The scene file's names and defaults, keyword-only; `replace` gives a changed copy.
+# The scene file's names and defaults, keyword-only. They do not change; `replace` gives a changed copy.
 
 @final
 class Camera:
@@ -148,53 +148,64 @@ class Camera:
     def framed(volume: Volume, transfer_function: TransferFunction, *, width: int = 512, height: int = 512,
                vertical_fov_deg: float = 35.0) -> Camera:
         """In front of what the transfer function shows, at the distance at which it just fits."""
-    position: _Point
-    target: _Point
-    up: _Point
-    vertical_fov_deg: float
-    lens_radius: float
-    focus_distance: float | None
+    @property
+    def position(self) -> _Point: ...
+    @property
+    def target(self) -> _Point: ...
+    @property
+    def up(self) -> _Point: ...
+    @property
+    def vertical_fov_deg(self) -> float: ...
+    @property
+    def lens_radius(self) -> float: ...
+    @property
+    def focus_distance(self) -> float | None: ...
     def camera_from_world(self) -> NDArray[np.float64]:
         """4 × 4, for column vectors: x to the right, y up, z along the view."""
     def replace(self, **entries: Any) -> Camera: ...
-    def __copy__(self) -> Camera: ...
-    def __deepcopy__(self, memo: dict[Any, Any], /) -> Camera: ...
 
 @final
 class ImageSettings:
     def __init__(self, *, width: int = 512, height: int = 512, show_environment: bool = True) -> None: ...
-    width: int
-    height: int
-    show_environment: bool
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def show_environment(self) -> bool: ...
     def replace(self, **entries: Any) -> ImageSettings: ...
-    def __copy__(self) -> ImageSettings: ...
-    def __deepcopy__(self, memo: dict[Any, Any], /) -> ImageSettings: ...
 
 @final
 class RenderSettings:
     def __init__(self, *, strategy: _Strategy = "auto", random_numbers: _RandomNumbers = "auto",
                  shadow_rays: int | Literal["auto"] = "auto", seed: int = 0) -> None: ...
-    strategy: _Strategy
-    random_numbers: _RandomNumbers
-    shadow_rays: int | Literal["auto"]
-    seed: int
+    @property
+    def strategy(self) -> _Strategy: ...
+    @property
+    def random_numbers(self) -> _RandomNumbers: ...
+    @property
+    def shadow_rays(self) -> int | Literal["auto"]: ...
+    @property
+    def seed(self) -> int: ...
     def replace(self, **entries: Any) -> RenderSettings: ...
-    def __copy__(self) -> RenderSettings: ...
-    def __deepcopy__(self, memo: dict[Any, Any], /) -> RenderSettings: ...
 
 @final
 class VisibilitySettings:
     def __init__(self, *, directions: int = 8, cell: int = 4, rays: int | Literal["auto"] = "auto", filter: _Filter = "half-angle",
                  oversampling: int = 1, epsilon: float = 0.1) -> None: ...
-    directions: int
-    cell: int
-    rays: int | Literal["auto"]
-    filter: _Filter
-    oversampling: int
-    epsilon: float
+    @property
+    def directions(self) -> int: ...
+    @property
+    def cell(self) -> int: ...
+    @property
+    def rays(self) -> int | Literal["auto"]: ...
+    @property
+    def filter(self) -> _Filter: ...
+    @property
+    def oversampling(self) -> int: ...
+    @property
+    def epsilon(self) -> float: ...
     def replace(self, **entries: Any) -> VisibilitySettings: ...
-    def __copy__(self) -> VisibilitySettings: ...
-    def __deepcopy__(self, memo: dict[Any, Any], /) -> VisibilitySettings: ...
 
 # --- rendering ------------------------------------------------------------------------------------------------------------
 
@@ -202,8 +213,8 @@ class VisibilitySettings:
 class Session:
     """A progressive render: volume → majorants, sweeps → film. Set attributes between passes; only what depends on them is redone.
 
-    Long calls release the interpreter and end at Ctrl-C with KeyboardInterrupt, with the passes so far in the film.
-    Not to be used from two threads at once.
+    render, prepare and sweeps let other Python threads run and end at Ctrl-C with KeyboardInterrupt, with the passes so far in
+    the film. Meanwhile the session refuses other calls (a progress callback may read it).
     """
 
     def __init__(self, volume: Volume, transfer_function: TransferFunction | None = None, environment: Environment | None = None, *,
@@ -258,7 +269,7 @@ class Session:
     def image(self) -> Image:
         """The film as it is; an Error before the first pass."""
     def sweep_in_background(self, threads: int = 0) -> None:
-        """Edits do not wait for sweeps from now on; passes go on with the visibility that is there. threads 0: half of them."""
+        """Edits do not wait for sweeps from now on; passes go on with the visibility that is there. threads 0: half of the machine's."""
     def sweep_before_pass(self) -> None:
         """The default: the next pass waits, and images repeat to the bit."""
     @property

@@ -50,7 +50,9 @@ struct VisibilityHandle {
     py::dict stats;
 };
 
-/// Which of a resource a call may use: `threads` as in Python, 0 for all.
+/// What the machine has.
+int all_threads();
+/// The threads that a call may use: `threads` as in Python, 0 for all.
 std::unique_ptr<tbb::task_arena> make_arena(int threads);
 
 /// Calls work(cancel) in the arena, on a thread of its own and without the interpreter, while this thread looks for

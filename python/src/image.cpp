@@ -18,6 +18,8 @@ ImageHandle from_channels(const py::dict& channels)
     ImageHandle handle;
     Image& image = handle.image;
     for (const auto& [key, value] : channels) {
+        if (!py::isinstance<py::str>(key))
+            throw py::type_error("image: names of channels are strings");
         const auto name = key.cast<std::string>();
         const FloatArray array = numbers<FloatArray>(value, name.c_str());
         require(array.ndim() == 2, "image: channel {} has shape {} (give [height, width])", name,
@@ -93,7 +95,11 @@ DisplayImage displayed(const ImageHandle& handle, std::optional<double> exposure
 py::array_t<std::uint8_t> toned(const ImageHandle& handle, std::optional<double> exposure,
                                 std::optional<bool> show_environment)
 {
-    const DisplayImage shown = displayed(handle, exposure, show_environment);
+    DisplayImage shown;
+    {
+        const py::gil_scoped_release release;
+        shown = displayed(handle, exposure, show_environment);
+    }
     py::array_t<std::uint8_t> array(Shape{shown.height, shown.width, shown.channels});
     std::copy(shown.pixels.begin(), shown.pixels.end(), array.mutable_data());
     return array;
@@ -117,6 +123,7 @@ py::dict comparison(const ImageHandle& image, const ImageHandle& reference)
 void bind_image(py::module_& module)
 {
     const py::none none;
+    const py::call_guard<py::gil_scoped_release> without_interpreter;
     py::class_<ImageHandle>(module, "Image",
                             "Float channels by name, row 0 at the top, with an EXR header's attributes.")
         .def(py::init(&from_channels), py::arg("channels"), "{\"R\": [height, width], …}.")
@@ -146,16 +153,19 @@ void bind_image(py::module_& module)
             "depth", [](const ImageHandle& h) { return pixels(h, "depth.Z"); },
             "Distance of the first collision along the camera ray, mean over samples.")
         .def(
-            "write_exr", [](const ImageHandle& h, const fs::path& file) { write_exr(file, h.image); }, py::arg("file"))
+            "write_exr", [](const ImageHandle& h, const fs::path& file) { write_exr(file, h.image); }, py::arg("file"),
+            without_interpreter)
         .def("tone_map", &toned, py::kw_only(), py::arg("exposure") = none, py::arg("show_environment") = none,
              "[height, width, 3 or 4], sRGB, as the command line's PNG.")
         .def(
             "write_png",
             [](const ImageHandle& h, const fs::path& file, std::optional<double> exposure,
                std::optional<bool> show_environment) { write_png(file, displayed(h, exposure, show_environment)); },
-            py::arg("file"), py::kw_only(), py::arg("exposure") = none, py::arg("show_environment") = none);
+            py::arg("file"), py::kw_only(), py::arg("exposure") = none, py::arg("show_environment") = none,
+            without_interpreter);
     module.def(
-        "read_exr", [](const fs::path& file) { return ImageHandle{read_exr(file)}; }, py::arg("file"));
+        "read_exr", [](const fs::path& file) { return ImageHandle{read_exr(file)}; }, py::arg("file"),
+        without_interpreter);
     module.def("compare", &comparison, py::arg("image"), py::arg("reference"),
                "mse, relmse, rmse, psnr, mean_image, mean_reference over all pixels and R, G, B.");
 }

@@ -10,13 +10,13 @@
 
 namespace lumisweep::python {
 
+int all_threads() { return tbb::info::default_concurrency(); }
+
 std::unique_ptr<tbb::task_arena> make_arena(int threads)
 {
     require(threads >= 0 && threads <= 4096, "threads: {} is not 1 to 4096, nor 0 for all", threads);
     // oneTBB complains on stderr when more are asked for than the machine has.
-    const int all = tbb::info::default_concurrency();
-    const int concurrency = threads > 0 ? std::min(threads, all) : all;
-    return std::make_unique<tbb::task_arena>(concurrency);
+    return std::make_unique<tbb::task_arena>(threads > 0 ? std::min(threads, all_threads()) : all_threads());
 }
 
 void run_interruptible(tbb::task_arena& arena, const std::function<void(const std::atomic<bool>& cancel)>& work)

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -22,17 +23,22 @@ namespace fs = std::filesystem;
 using Progress = std::function<py::object(std::int64_t, double)>;
 
 /// A session with the Python objects that it was made from. Everything that may wait for a background sweep is done
-/// without the interpreter: that thread may let go of an array.
+/// without the interpreter: that thread may let go of an array. Meanwhile signal handlers and other Python threads may
+/// run, and find the session busy; while a progress callback runs it can be read.
 class SessionHandle {
 public:
     SessionHandle(std::shared_ptr<VolumeHandle> volume, std::shared_ptr<EnvironmentHandle> environment,
-                  SessionInput input, StopCriterion stop, int threads, const std::string& isa)
-        : volume_(std::move(volume)), environment_(std::move(environment)), stop_(stop), arena_(make_arena(threads))
+                  SessionInput input, StopCriterion stop, std::unique_ptr<tbb::task_arena> arena,
+                  std::shared_ptr<Backend> backend)
+        : volume_(std::move(volume)), environment_(std::move(environment)), stop_(stop), arena_(std::move(arena))
     {
         input.volume = volume_->grid;
         input.environment = environment_->light;
         const py::gil_scoped_release release;
-        session_ = std::make_unique<Session>(std::move(input), make_cpu_backend(isa));
+        arena_->execute([&] {
+            require_finite(*input.volume);
+            session_ = std::make_unique<Session>(std::move(input), std::move(backend));
+        });
     }
 
     ~SessionHandle()
@@ -43,25 +49,36 @@ public:
     SessionHandle(const SessionHandle&) = delete;
     SessionHandle& operator=(const SessionHandle&) = delete;
 
-    const Session& session() const { return *session_; }
-    const SessionInput& input() const { return session_->input(); }
-    tbb::task_arena& arena() { return *arena_; }
+    const Session& session() const
+    {
+        require_free(Use::reading);
+        return *session_;
+    }
+    const SessionInput& input() const { return session().input(); }
     const std::shared_ptr<VolumeHandle>& volume() const { return volume_; }
     const std::shared_ptr<EnvironmentHandle>& environment() const { return environment_; }
+    const StopCriterion& stop() const { return stop_; }
+    int threads() const { return arena_->max_concurrency(); }
 
-    /// A call of a setter; the film is empty afterwards.
+    /// A call of a setter.
     template <class Call>
     void edit(Call&& call)
     {
+        const Busy busy(*this);
         const py::gil_scoped_release release;
         arena_->execute([&] { call(*session_); });
-        render_s_ = 0.0;
+        if (session_->film().samples() == 0)
+            render_s_ = 0.0;
     }
     void set_volume(std::shared_ptr<VolumeHandle> volume)
     {
         require(volume != nullptr, "session: volume is None");
-        edit([&](Session& s) { s.set_volume(volume->grid); });
+        edit([&](Session& s) {
+            require_finite(*volume->grid);
+            s.set_volume(volume->grid);
+        });
         volume_ = std::move(volume);
+        kept_visibility_.reset();
     }
     void set_environment(std::shared_ptr<EnvironmentHandle> environment)
     {
@@ -69,19 +86,32 @@ public:
         edit([&](Session& s) { s.set_environment(environment->light); });
         environment_ = std::move(environment);
     }
+    void set_transfer_function(const TransferFunction& transfer_function)
+    {
+        edit([&](Session& s) { s.set_transfer_function(transfer_function); });
+        kept_visibility_.reset();
+    }
+    void set_visibility_settings(const VisibilitySettings& settings)
+    {
+        edit([&](Session& s) { s.set_visibility(settings); });
+        kept_visibility_.reset();
+    }
     void set_sweep_mode(SweepMode mode, int threads)
     {
-        edit([&](Session& s) { s.set_sweep_mode(mode, threads); });
+        // oneTBB complains on stderr when more are asked for than the machine has.
+        edit([&](Session& s) { s.set_sweep_mode(mode, threads <= 4096 ? std::min(threads, all_threads()) : threads); });
         mode_ = mode;
     }
 
     void prepare()
     {
+        const Busy busy(*this);
         run_interruptible(*arena_, [this](const std::atomic<bool>& cancel) { session_->prepare(&cancel); });
     }
 
     void render(const StopCriterion& stop, const Progress& progress)
     {
+        const Busy busy(*this);
         run_interruptible(*arena_, [&](const std::atomic<bool>& cancel) {
             if (mode_ == SweepMode::before_pass && !session_->prepare(&cancel))
                 return;
@@ -95,43 +125,113 @@ public:
                 render_s_ = before + elapsed_s;
                 if (progress && elapsed_s - told_s >= 0.1) {
                     told_s = elapsed_s;
-                    const py::gil_scoped_acquire acquire;
-                    progress(session_->film().samples(), elapsed_s);
+                    tell(progress, elapsed_s);
                 }
             }
         });
     }
-    const StopCriterion& stop() const { return stop_; }
 
     ImageHandle image() const
     {
-        require(session_->film().samples() > 0, "session: no pass has been rendered (call render)");
-        return {annotated_image(*session_, render_s_),
-                input().image.show_environment ? Background::opaque : Background::transparent};
+        require(session().film().samples() > 0, "session: no pass has been rendered (call render)");
+        const Background background = input().image.show_environment ? Background::opaque : Background::transparent;
+        return {annotated_image(*session_, render_s_), background};
     }
 
-    /// A visibility grid of the present volume, transfer function and settings.
+    /// The grid that directions are drawn by. Where the strategy draws by none: the one that was set, or swept before.
     std::shared_ptr<VisibilityHandle> visibility()
     {
         const Strategy strategy = input().render.strategy;
         if (strategy == Strategy::uniform || strategy == Strategy::environment ||
-            !(input().environment->mean_luminance() > 0.0))
-            return sweep(*input().volume, input().transfer_function, input().visibility, *arena_);
+            !(input().environment->mean_luminance() > 0.0)) {
+            if (!kept_visibility_)
+                kept_visibility_ = sweep(*input().volume, input().transfer_function, input().visibility, *arena_);
+            return kept_visibility_;
+        }
         prepare();
+        VisibilityGrid copy = copy_of(session().visibility(), input().volume->size(), input().visibility.cell);
         return std::make_shared<VisibilityHandle>(
-            VisibilityHandle{std::make_shared<const VisibilityGrid>(
-                                 copy_of(session_->visibility(), input().volume->size(), input().visibility.cell)),
-                             {}});
+            VisibilityHandle{std::make_shared<const VisibilityGrid>(std::move(copy)), {}});
+    }
+    void set_visibility(const std::shared_ptr<VisibilityHandle>& visibility)
+    {
+        require(visibility != nullptr, "session: visibility is None");
+        VisibilityGrid grid = copy_of(*visibility->grid, input().volume->size(), input().visibility.cell);
+        edit([&](Session& s) { s.replace_visibility(std::move(grid)); });
+        kept_visibility_ = visibility;
+    }
+
+    SamplerHandle sampler(const std::optional<std::string>& name)
+    {
+        const Strategy strategy = name ? strategy_of(*name) : input().render.strategy;
+        std::shared_ptr<VisibilityHandle> grid;
+        if (strategy != Strategy::uniform && strategy != Strategy::environment)
+            grid = visibility();
+        const Busy busy(*this);
+        const py::gil_scoped_release release;
+        SamplerHandle made;
+        arena_->execute([&] {
+            const SessionInput& present = session_->input();
+            made = make_sampler(strategy, present.volume, present.environment, grid ? grid->grid.get() : nullptr,
+                                present.visibility.epsilon);
+        });
+        return made;
     }
 
     std::vector<std::string> notes, warnings;
 
 private:
+    enum class Use { none, reading, all };
+
+    void require_free(Use wanted) const
+    {
+        require(free_for_ == Use::all || (free_for_ == Use::reading && wanted == Use::reading),
+                "session: is busy with another call (change it when that has returned)");
+    }
+    /// Begins and ends with the interpreter's lock held, which is what guards free_for_.
+    class Busy {
+    public:
+        explicit Busy(SessionHandle& handle) : handle_(handle)
+        {
+            handle.require_free(Use::all);
+            handle.free_for_ = Use::none;
+        }
+        ~Busy() { handle_.free_for_ = Use::all; }
+        Busy(const Busy&) = delete;
+        Busy& operator=(const Busy&) = delete;
+
+    private:
+        SessionHandle& handle_;
+    };
+
+    void tell(const Progress& progress, double elapsed_s)
+    {
+        const py::gil_scoped_acquire acquire;
+        free_for_ = Use::reading;
+        try {
+            progress(session_->film().samples(), elapsed_s);
+        } catch (...) {
+            free_for_ = Use::none;
+            throw;
+        }
+        free_for_ = Use::none;
+    }
+
+    /// A borrowed array may have been written to since it was looked at.
+    static void require_finite(const ScalarGrid& volume)
+    {
+        require(volume.owns_voxels() || !any_infinite(volume),
+                "session: the volume's array has infinite values by now (make a Volume of it again)");
+    }
+
     std::shared_ptr<VolumeHandle> volume_;
     std::shared_ptr<EnvironmentHandle> environment_;
+    std::shared_ptr<VisibilityHandle>
+        kept_visibility_; // of the present volume, transfer function and settings, or null
     StopCriterion stop_;
     SweepMode mode_ = SweepMode::before_pass;
-    double render_s_ = 0.0; ///< of the passes in the film
+    double render_s_ = 0.0; // of the passes in the film
+    Use free_for_ = Use::all;
     std::unique_ptr<tbb::task_arena> arena_;
     std::unique_ptr<Session> session_;
 };
@@ -144,22 +244,29 @@ std::shared_ptr<SessionHandle> from_parts(const std::shared_ptr<VolumeHandle>& v
                                           int threads, const std::string& isa)
 {
     require(volume != nullptr, "session: volume is None");
+    std::shared_ptr<Backend> backend = make_cpu_backend(isa);
+    std::unique_ptr<tbb::task_arena> arena = make_arena(threads);
     std::vector<std::string> notes;
     SessionInput input;
-    if (transfer_function) {
-        input.transfer_function = *transfer_function;
-    } else {
-        notes.emplace_back();
-        input.transfer_function = preset_for(*volume, "auto", 1.0, &notes.back());
-    }
-    if (!environment)
-        environment = std::make_shared<EnvironmentHandle>(
-            EnvironmentHandle{std::make_shared<const Environment>(environment_from_sky({})), {}});
     input.image = image;
-    input.camera = camera ? *camera : framed_camera(*volume, input.transfer_function, image, Camera{}.vertical_fov_deg);
     input.render = render;
     input.visibility = visibility;
-    auto handle = std::make_shared<SessionHandle>(volume, environment, std::move(input), StopSamples{}, threads, isa);
+    {
+        const py::gil_scoped_release release;
+        arena->execute([&] {
+            std::string note;
+            input.transfer_function = transfer_function ? *transfer_function : preset_for(*volume, "auto", 1.0, &note);
+            if (!note.empty())
+                notes.push_back(note);
+            if (!environment)
+                environment = std::make_shared<EnvironmentHandle>(
+                    EnvironmentHandle{std::make_shared<const Environment>(environment_from_sky({})), {}});
+            input.camera =
+                camera ? *camera : framed_camera(*volume, input.transfer_function, image, Camera{}.vertical_fov_deg);
+        });
+    }
+    auto handle = std::make_shared<SessionHandle>(volume, environment, std::move(input), StopSamples{},
+                                                  std::move(arena), std::move(backend));
     handle->notes = std::move(notes);
     handle->warnings = volume->warnings;
     handle->warnings.insert(handle->warnings.end(), environment->warnings.begin(), environment->warnings.end());
@@ -180,8 +287,11 @@ std::string json_text(const py::handle& object)
 SceneDescription described(const py::object& scene, const py::dict& overrides, const fs::path& base_directory)
 {
     std::vector<SceneOverride> replaced;
-    for (const auto& [key, value] : overrides)
+    for (const auto& [key, value] : overrides) {
+        if (!py::isinstance<py::str>(key))
+            throw py::type_error("overrides: keys are strings, such as \"visibility.cell\"");
         replaced.push_back({key.cast<std::string>(), json_text(value)});
+    }
     if (py::isinstance<py::str>(scene) || py::hasattr(scene, "__fspath__"))
         return read_scene_file(scene.cast<fs::path>(), replaced);
     return parse_scene(json_text(scene), "scene", fs::absolute(base_directory), replaced);
@@ -190,17 +300,19 @@ SceneDescription described(const py::object& scene, const py::dict& overrides, c
 std::shared_ptr<SessionHandle> load(const py::object& scene, const py::dict& overrides, const fs::path& base_directory,
                                     int threads, const std::string& isa)
 {
+    std::shared_ptr<Backend> backend = make_cpu_backend(isa);
+    std::unique_ptr<tbb::task_arena> arena = make_arena(threads);
     const SceneDescription description = described(scene, overrides, base_directory);
     LoadedScene loaded;
     {
         const py::gil_scoped_release release;
-        make_arena(threads)->execute([&] { loaded = load_scene(description); });
+        arena->execute([&] { loaded = load_scene(description); });
     }
     auto volume =
         std::make_shared<VolumeHandle>(VolumeHandle{loaded.input.volume, loaded.modality, loaded.frames, false, {}});
     auto environment = std::make_shared<EnvironmentHandle>(EnvironmentHandle{loaded.input.environment, {}});
     auto handle = std::make_shared<SessionHandle>(std::move(volume), std::move(environment), std::move(loaded.input),
-                                                  description.stop, threads, isa);
+                                                  description.stop, std::move(arena), std::move(backend));
     handle->notes = std::move(loaded.notes);
     handle->warnings = std::move(loaded.warnings);
     return handle;
@@ -254,17 +366,6 @@ py::dict stats_of(const SessionHandle& handle)
     return all;
 }
 
-SamplerHandle sampler_of(SessionHandle& handle, const std::optional<std::string>& name)
-{
-    const Strategy strategy = name ? strategy_of(*name) : handle.input().render.strategy;
-    std::shared_ptr<VisibilityHandle> visibility;
-    if (strategy != Strategy::uniform && strategy != Strategy::environment)
-        visibility = handle.visibility();
-    const py::gil_scoped_release release;
-    return make_sampler(strategy, handle.input().volume, handle.input().environment,
-                        visibility ? visibility->grid.get() : nullptr, handle.input().visibility.epsilon);
-}
-
 } // namespace
 
 void bind_session(py::module_& module)
@@ -274,8 +375,8 @@ void bind_session(py::module_& module)
     py::class_<Handle, std::shared_ptr<Handle>>(module, "Session",
                                                 R"(A progressive render: volume, majorants, sweeps, film.
 
-Set attributes between passes; only what depends on them is redone. Long calls release the interpreter and end at Ctrl-C with
-KeyboardInterrupt, with the passes so far in the film. Not to be used from two threads at once.)")
+Set attributes between passes; only what depends on them is redone. render, prepare and sweeps let other Python threads run
+and end at Ctrl-C with KeyboardInterrupt, with the passes so far in the film. Meanwhile the session refuses other calls.)")
         .def(py::init(&from_parts), py::arg("volume"), py::arg("transfer_function") = none,
              py::arg("environment") = none, py::kw_only(), py::arg("camera") = none,
              py::arg("image_settings") = ImageSettings{}, py::arg("render_settings") = RenderSettings{},
@@ -292,7 +393,7 @@ overrides {"visibility.cell": 8} are put in before; paths are relative to the fi
         .def_property("environment", &Handle::environment, &Handle::set_environment)
         .def_property(
             "transfer_function", [](const Handle& h) { return h.input().transfer_function; },
-            [](Handle& h, const TransferFunction& f) { h.edit([&](Session& s) { s.set_transfer_function(f); }); })
+            &Handle::set_transfer_function)
         .def_property(
             "camera", [](const Handle& h) { return h.input().camera; },
             [](Handle& h, const Camera& c) { h.edit([&](Session& s) { s.set_camera(c); }); })
@@ -304,14 +405,14 @@ overrides {"visibility.cell": 8} are put in before; paths are relative to the fi
             [](Handle& h, const RenderSettings& r) { h.edit([&](Session& s) { s.set_render(r); }); })
         .def_property(
             "visibility_settings", [](const Handle& h) { return h.input().visibility; },
-            [](Handle& h, const VisibilitySettings& v) { h.edit([&](Session& s) { s.set_visibility(v); }); })
+            &Handle::set_visibility_settings)
         .def_property_readonly(
             "samples", [](const Handle& h) { return h.session().film().samples(); }, "A pixel, in the film.")
         .def_property_readonly(
             "noise", [](const Handle& h) { return h.session().film().noise(); },
             "Estimated relative error of the image; infinite while unknown.")
         .def_property_readonly("isa", [](const Handle& h) { return h.session().backend().isa(); })
-        .def_property_readonly("threads", [](Handle& h) { return h.arena().max_concurrency(); })
+        .def_property_readonly("threads", [](const Handle& h) { return h.threads(); })
         .def_property_readonly("stats", &stats_of, "As --stats of the command line.")
         .def("prepare", &Handle::prepare, "Majorants, sweeps, joint grid: what the next pass would begin with.")
         .def(
@@ -330,18 +431,13 @@ second.)")
         .def("image", &Handle::image, "The film as it is.")
         .def(
             "sweep_in_background", [](Handle& h, int threads) { h.set_sweep_mode(SweepMode::in_background, threads); },
-            py::arg("threads") = 0, "Edits do not wait for sweeps from now on.")
+            py::arg("threads") = 0, "Edits do not wait for sweeps from now on. threads 0: half of the machine's.")
         .def(
             "sweep_before_pass", [](Handle& h) { h.set_sweep_mode(SweepMode::before_pass, 0); }, "The default.")
         .def_property_readonly("sweeping", [](const Handle& h) { return h.session().sweeping(); })
-        .def_property(
-            "visibility", &Handle::visibility,
-            [](Handle& h, const VisibilityHandle& v) {
-                VisibilityGrid grid = copy_of(*v.grid, h.input().volume->size(), h.input().visibility.cell);
-                h.edit([&](Session& s) { s.replace_visibility(std::move(grid)); });
-            },
-            "A copy of the grid that directions are drawn by, after prepare(); set one to replace it.")
-        .def("sampler", &sampler_of, py::arg("strategy") = none,
+        .def_property("visibility", &Handle::visibility, &Handle::set_visibility,
+                      "A copy of the grid that directions are drawn by, after prepare(); set one to replace it.")
+        .def("sampler", &Handle::sampler, py::arg("strategy") = none,
              "How directions are drawn with this session's light and visibility.");
 }
 

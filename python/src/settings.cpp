@@ -45,34 +45,32 @@ NumberOrAuto number_or_auto(int number)
     return number == 0 ? NumberOrAuto(std::string("auto")) : NumberOrAuto(number);
 }
 
-/// replace(**entries), == and repr() for a class whose entries are `names`.
+/// replace(**entries), ==, repr() and pickling for a class whose entries, all that its constructor takes, are `names`.
+/// Settings do not change: a session takes them whole, so a change of one that it gave would go nowhere.
 template <class Settings>
-void add_record_methods(py::class_<Settings>& cls, std::vector<std::string> names)
+void add_record_methods(py::class_<Settings>& cls, const std::vector<std::string>& names)
 {
+    const auto entries = [names](const py::handle& self) {
+        py::dict all;
+        for (const std::string& name : names)
+            all[py::str(name)] = self.attr(name.c_str());
+        return all;
+    };
     cls.def(
         "replace",
-        [names](const Settings& self, const py::kwargs& entries) {
-            const py::object copy = py::cast(Settings(self));
-            for (const auto& [key, value] : entries) {
-                const auto name = key.template cast<std::string>();
-                if (std::find(names.begin(), names.end(), name) == names.end())
-                    throw py::type_error("replace() got an unexpected keyword argument '" + name + "'");
-                py::setattr(copy, key, value);
-            }
-            copy.cast<const Settings&>().validate();
-            return copy;
+        [entries](const py::object& self, const py::kwargs& changes) {
+            py::dict all = entries(self);
+            for (const auto& [name, value] : changes)
+                all[name] = value;
+            return py::type::of(self)(**all);
         },
         "A copy with these entries changed.");
-    cls.def("__copy__", [](const Settings& self) { return Settings(self); });
-    cls.def("__deepcopy__", [](const Settings& self, const py::dict&) { return Settings(self); });
-    const auto values = [names](const py::handle& self) {
-        py::list list;
-        for (const std::string& name : names)
-            list.append(self.attr(name.c_str()));
-        return list;
-    };
-    cls.def("__eq__", [values](const py::object& self, const py::object& other) {
-        return py::isinstance<Settings>(other) && values(self).equal(values(other));
+    cls.def("__reduce__", [entries](const py::object& self) {
+        const py::object make = py::module_::import("functools").attr("partial");
+        return py::make_tuple(make(py::type::of(self), **entries(self)), py::tuple());
+    });
+    cls.def("__eq__", [entries](const py::object& self, const py::object& other) {
+        return py::isinstance<Settings>(other) && entries(self).equal(entries(other));
     });
     cls.def("__repr__", [names](const py::object& self) {
         std::string text = py::str(py::type::of(self).attr("__name__")).cast<std::string>() + "(";
@@ -88,9 +86,6 @@ void bind_camera(py::module_& module)
     const Camera standard;
     const auto vector = [](Vec3d Camera::*member) {
         return [member](const Camera& camera) { return tuple_of(camera.*member); };
-    };
-    const auto set_vector = [](Vec3d Camera::*member, const char* name) {
-        return [member, name](Camera& camera, const py::object& value) { camera.*member = vec3_of(value, name); };
     };
     const auto focus = [](const Camera& camera) {
         return camera.focus_distance > 0.0 ? std::optional(camera.focus_distance) : std::nullopt;
@@ -126,13 +121,12 @@ void bind_camera(py::module_& module)
             py::arg("volume"), py::arg("transfer_function"), py::kw_only(), py::arg("width") = 512,
             py::arg("height") = 512, py::arg("vertical_fov_deg") = standard.vertical_fov_deg,
             "In front of what the transfer function shows, at the distance at which it just fits.")
-        .def_property("position", vector(&Camera::position), set_vector(&Camera::position, "camera.position"))
-        .def_property("target", vector(&Camera::target), set_vector(&Camera::target, "camera.target"))
-        .def_property("up", vector(&Camera::up), set_vector(&Camera::up, "camera.up"))
-        .def_readwrite("vertical_fov_deg", &Camera::vertical_fov_deg)
-        .def_readwrite("lens_radius", &Camera::lens_radius)
-        .def_property("focus_distance", focus,
-                      [](Camera& camera, std::optional<double> value) { camera.focus_distance = value.value_or(0.0); })
+        .def_property_readonly("position", vector(&Camera::position))
+        .def_property_readonly("target", vector(&Camera::target))
+        .def_property_readonly("up", vector(&Camera::up))
+        .def_readonly("vertical_fov_deg", &Camera::vertical_fov_deg)
+        .def_readonly("lens_radius", &Camera::lens_radius)
+        .def_property_readonly("focus_distance", focus)
         .def(
             "camera_from_world",
             [](const Camera& camera) {
@@ -156,9 +150,9 @@ void bind_image_settings(py::module_& module)
             }),
             py::kw_only(), py::arg("width") = standard.width, py::arg("height") = standard.height,
             py::arg("show_environment") = standard.show_environment)
-        .def_readwrite("width", &ImageSettings::width)
-        .def_readwrite("height", &ImageSettings::height)
-        .def_readwrite("show_environment", &ImageSettings::show_environment);
+        .def_readonly("width", &ImageSettings::width)
+        .def_readonly("height", &ImageSettings::height)
+        .def_readonly("show_environment", &ImageSettings::show_environment);
     add_record_methods(cls, {"width", "height", "show_environment"});
 }
 
@@ -181,18 +175,11 @@ void bind_render_settings(py::module_& module)
             }),
             py::kw_only(), py::arg("strategy") = "auto", py::arg("random_numbers") = "auto",
             py::arg("shadow_rays") = "auto", py::arg("seed") = 0)
-        .def_property(
-            "strategy", [](const RenderSettings& s) { return name_of(s.strategy); },
-            [](RenderSettings& s, const std::string& name) { s.strategy = strategy_of(name); })
-        .def_property(
-            "random_numbers", [](const RenderSettings& s) { return text_of(s.random_numbers, random_numbers_names); },
-            [numbers_of](RenderSettings& s, const std::string& name) { s.random_numbers = numbers_of(name); })
-        .def_property(
-            "shadow_rays", [](const RenderSettings& s) { return number_or_auto(s.shadow_rays); },
-            [](RenderSettings& s, const NumberOrAuto& value) {
-                s.shadow_rays = number_of(value, "render.shadow_rays");
-            })
-        .def_readwrite("seed", &RenderSettings::seed);
+        .def_property_readonly("strategy", [](const RenderSettings& s) { return name_of(s.strategy); })
+        .def_property_readonly("random_numbers",
+                               [](const RenderSettings& s) { return text_of(s.random_numbers, random_numbers_names); })
+        .def_property_readonly("shadow_rays", [](const RenderSettings& s) { return number_or_auto(s.shadow_rays); })
+        .def_readonly("seed", &RenderSettings::seed);
     add_record_methods(cls, {"strategy", "random_numbers", "shadow_rays", "seed"});
 }
 
@@ -213,16 +200,12 @@ void bind_visibility_settings(py::module_& module)
             py::kw_only(), py::arg("directions") = standard.directions, py::arg("cell") = standard.cell,
             py::arg("rays") = "auto", py::arg("filter") = text_of(standard.filter, filter_names),
             py::arg("oversampling") = standard.oversampling, py::arg("epsilon") = standard.epsilon)
-        .def_readwrite("directions", &VisibilitySettings::directions)
-        .def_readwrite("cell", &VisibilitySettings::cell)
-        .def_property(
-            "rays", [](const VisibilitySettings& s) { return number_or_auto(s.rays); },
-            [](VisibilitySettings& s, const NumberOrAuto& value) { s.rays = number_of(value, "visibility.rays"); })
-        .def_property(
-            "filter", [](const VisibilitySettings& s) { return text_of(s.filter, filter_names); },
-            [filter_of](VisibilitySettings& s, const std::string& name) { s.filter = filter_of(name); })
-        .def_readwrite("oversampling", &VisibilitySettings::oversampling)
-        .def_readwrite("epsilon", &VisibilitySettings::epsilon);
+        .def_readonly("directions", &VisibilitySettings::directions)
+        .def_readonly("cell", &VisibilitySettings::cell)
+        .def_property_readonly("rays", [](const VisibilitySettings& s) { return number_or_auto(s.rays); })
+        .def_property_readonly("filter", [](const VisibilitySettings& s) { return text_of(s.filter, filter_names); })
+        .def_readonly("oversampling", &VisibilitySettings::oversampling)
+        .def_readonly("epsilon", &VisibilitySettings::epsilon);
     add_record_methods(cls, {"directions", "cell", "rays", "filter", "oversampling", "epsilon"});
 }
 

@@ -5,9 +5,11 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "lumisweep/base/memory.h"
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/base/stopwatch.h"
 #include "lumisweep/math/morton.h"
+#include "lumisweep/visibility/sweep_memory.h"
 
 namespace lumisweep::python {
 
@@ -79,6 +81,16 @@ py::dict stats_of(const SweepStats& stats, double classify_s)
     return all;
 }
 
+/// Before it is taken.
+void require_memory_for(Vec3i size, const VisibilitySettings& settings, int threads)
+{
+    const Vec3i n = VisibilityGrid::cells_of(size, settings.cell);
+    const auto cells = static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z);
+    require_memory(VisibilityGrid::bytes_needed(cells, settings.directions) + extinction_bytes(size, settings) +
+                       sweep_scratch_bytes(size, settings, threads),
+                   "visibility", "a larger cell or fewer directions need less");
+}
+
 enum class Reference { classified, exact };
 
 Reference reference_of(const std::string& name)
@@ -93,6 +105,7 @@ std::shared_ptr<VisibilityHandle> brute_force(const VolumeHandle& volume, const 
 {
     settings.validate();
     const Reference wanted = reference_of(reference);
+    require_memory_for(volume.grid->size(), settings, 1);
     VisibilityGrid grid;
     run_interruptible(*make_arena(threads), [&](const std::atomic<bool>& cancel) {
         if (wanted == Reference::exact)
@@ -160,6 +173,7 @@ std::shared_ptr<VisibilityHandle> sweep(const ScalarGrid& volume, const Transfer
                                         const VisibilitySettings& settings, tbb::task_arena& arena)
 {
     settings.validate();
+    require_memory_for(volume.size(), settings, arena.max_concurrency());
     VisibilityGrid grid;
     SweepStats stats;
     double classify_s = 0.0;

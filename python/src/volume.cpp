@@ -1,3 +1,4 @@
+#include <atomic>
 #include <filesystem>
 #include <optional>
 
@@ -77,15 +78,26 @@ StoredType stored_type(const py::dtype& type)
          py::str(static_cast<const py::object&>(type)).cast<std::string>());
 }
 
-/// Keeps a Python object alive from wherever the last copy is let go.
+/// The interpreter is about to end; set with its lock held.
+std::atomic<bool> ending = false;
+
+/// Keeps a Python object alive from wherever the last copy is let go. At the interpreter's end threads that ask for its
+/// lock are killed, so nothing is freed then.
 std::shared_ptr<const void> keep(const py::object& object)
 {
     return {object.inc_ref().ptr(), [](PyObject* held) {
-                if (Py_IsInitialized() == 0)
+                if (ending || Py_IsInitialized() == 0)
                     return;
                 const py::gil_scoped_acquire acquire;
                 Py_DECREF(held);
             }};
+}
+
+/// Whether NumPy looks into an object's memory rather than filling an array from it.
+bool has_memory_of_its_own(const py::object& object)
+{
+    return PyObject_CheckBuffer(object.ptr()) != 0 || py::hasattr(object, "__array_interface__") ||
+           py::hasattr(object, "__array_struct__") || py::hasattr(object, "__array__");
 }
 
 Sharing sharing_of(std::optional<bool> copy)
@@ -97,18 +109,19 @@ std::shared_ptr<VolumeHandle> from_array(const py::object& voxels, const py::obj
                                          const py::object& affine, double slope, double intercept,
                                          std::optional<bool> copy)
 {
-    py::array given = py::array::ensure(voxels); // of a subclass, such as a mapped file: a view of its memory
+    require(!py::hasattr(voxels, "mask") || !py::hasattr(voxels, "filled"),
+            "voxels: are masked (say what stands behind the mask: voxels.filled(value))");
+    const py::array given = py::array::ensure(voxels);
     if (!given) {
         PyErr_Clear();
         fail("voxels: is no array of numbers");
     }
     require(given.ndim() == 3, "voxels: has shape {} (give [z, y, x])", text_of(shape_of(given)));
-    if (given.dtype().kind() == 'f' && given.itemsize() == 2)
-        given = given.attr("astype")("float32");
-    const py::array dense = py::array::ensure(given, py::array::c_style);
+    const bool is_half = given.dtype().kind() == 'f' && given.itemsize() == 2;
+    const py::array dense =
+        py::array::ensure(is_half ? py::array(given.attr("astype")("float32")) : given, py::array::c_style);
     // A copy that was made on the way is the library's to keep.
-    const bool made =
-        !py::isinstance<py::array>(voxels) || dense.data() != py::reinterpret_borrow<py::array>(voxels).data();
+    const bool made = !has_memory_of_its_own(voxels) || dense.data() != given.data();
     require(copy != false || !made, "voxels: cannot be shared, they are not C-contiguous [z, y, x] (allow a copy)");
 
     ArrayVoxels array;
@@ -223,6 +236,7 @@ py::dict inspect(const fs::path& file)
 void bind_volume(py::module_& module)
 {
     const py::none none;
+    py::module_::import("atexit").attr("register")(py::cpp_function([] { ending = true; }));
     py::class_<VolumeHandle, std::shared_ptr<VolumeHandle>>(module, "Volume",
                                                             "A regular grid of scalar voxels, placed in the world.")
         .def(py::init(&from_array), py::arg("voxels"), py::kw_only(), py::arg("spacing") = none,

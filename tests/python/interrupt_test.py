@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+import lumisweep as ls
 from support import ball_session
 
 FOLDER = str(Path(__file__).resolve().parent)
@@ -143,6 +144,57 @@ class Progress(unittest.TestCase):
         session.render(samples=64, progress=look)
         self.assertTrue(seen)
         self.assertTrue(all(told == found for told, found in seen), seen)
+
+
+    def test_it_may_not_change_the_session(self):
+        session = ball_session()
+
+        def change(samples, seconds):
+            session.image_settings = ls.ImageSettings(width=8, height=8)
+
+        with self.assertRaisesRegex(ls.Error, "busy"):
+            session.render(samples=64, progress=change)
+        self.assertEqual(session.render(samples=64).width, 40)
+
+
+class BusySessions(unittest.TestCase):
+    """While a render runs without the interpreter, signal handlers and other threads find the session busy."""
+
+    def test_in_a_signal_handler(self):
+        session, refused = ball_session(threads=1), []
+
+        def handler(number, frame):
+            for attempt in (session.image, session.prepare, lambda: session.samples,
+                            lambda: setattr(session, "image_settings", ls.ImageSettings(width=8, height=8))):
+                try:
+                    attempt()
+                except ls.Error as error:
+                    refused.append(str(error))
+
+        before = signal.signal(signal.SIGALRM, handler)
+        self.addCleanup(signal.signal, signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        session.render(time=0.8)
+        self.assertEqual(len(refused), 4, refused)
+        self.assertTrue(all("busy" in text for text in refused))
+        self.assertEqual(session.image().width, 40)
+
+    def test_in_another_thread(self):
+        session, errors = ball_session(threads=1), []
+
+        def meddle():
+            time.sleep(0.2)
+            try:
+                session.render(samples=10**9)
+            except ls.Error as error:
+                errors.append(str(error))
+
+        thread = threading.Thread(target=meddle)
+        thread.start()
+        session.render(time=0.8)
+        thread.join()
+        self.assertEqual(len(errors), 1)
+        self.assertIn("busy", errors[0])
 
 
 if __name__ == "__main__":

@@ -1,4 +1,6 @@
 """Settings: the scene file's names and defaults, keyword-only, replaced by copies, refused by name."""
+import copy
+import pickle
 import unittest
 
 import numpy as np
@@ -60,6 +62,20 @@ class Settings(unittest.TestCase):
                     self.assertIs(type(changed), kind)
                     self.assertEqual({entry: getattr(original, entry) for entry in entries}, before)
                     self.assertEqual({entry: getattr(changed, entry) for entry in entries}, {**before, name: value})
+
+    def test_they_do_not_change(self):
+        """A session takes settings whole: a change of what it gave would go nowhere, silently."""
+        for kind, entries in OTHERS.items():
+            for name, value in entries.items():
+                with self.subTest(kind=kind.__name__, name=name), self.assertRaises(AttributeError):
+                    setattr(kind(), name, value)
+
+    def test_copies_and_pickles(self):
+        for kind, entries in OTHERS.items():
+            settings = kind(**entries)
+            for made in (copy.copy(settings), copy.deepcopy(settings), pickle.loads(pickle.dumps(settings))):
+                self.assertEqual(made, settings)
+            self.assertNotEqual(settings, kind())
 
     def test_unknown_entries(self):
         for kind in OTHERS:

@@ -1,6 +1,8 @@
 // The joint grid against its definition, on every instruction set and shape; and that a rebuild is in place.
 #include <gtest/gtest.h>
 
+#include "lumisweep/base/error.h"
+
 #include <bit>
 #include <cstring>
 
@@ -135,6 +137,13 @@ TEST(JointGridTest, CancelledItIsIncomplete)
     cancel = false;
     EXPECT_TRUE(joint.build(visibility, size, light, JointFactor::visibility_times_light, 0.1F, &cancel));
     EXPECT_TRUE(same_as(joint, PlainJoint(visibility, light, JointFactor::visibility_times_light, 0.1F)));
+}
+
+TEST(JointGrid, RefusesMoreThanKernelsCanIndex)
+{
+    EXPECT_NO_THROW(JointGrid::require_indexable(std::size_t{1} << 24, 8));
+    EXPECT_THROW(JointGrid::require_indexable(std::size_t{1} << 25, 8), Error);
+    EXPECT_THROW(JointGrid::require_indexable(std::size_t{1} << 31, 1), Error);
 }
 
 } // namespace

@@ -99,8 +99,8 @@ void Session::set_visibility(const VisibilitySettings& visibility)
 
 void Session::set_sweep_mode(SweepMode mode, int background_threads)
 {
-    require(background_threads >= 0, "background sweeps: {} threads (use 1 or more, or 0 for half of the machine's)",
-            background_threads);
+    require(background_threads >= 0 && background_threads <= 4096,
+            "background sweeps: {} threads (use 1 to 4096, or 0 for half of the machine's)", background_threads);
     const int threads = background_threads > 0 ? background_threads
                                                : std::max(static_cast<int>(std::thread::hardware_concurrency()) / 2, 1);
     if (mode == state_->mode && threads == state_->background_threads)

@@ -1,7 +1,6 @@
 #include "lumisweep/render/session_limits.h"
 
 #include <algorithm>
-#include <limits>
 
 #include <tbb/task_arena.h>
 
@@ -15,9 +14,6 @@
 namespace lumisweep {
 
 namespace {
-
-/// Kernels index these tables with 32 bits.
-constexpr std::uint64_t max_entries = std::numeric_limits<std::int32_t>::max();
 
 std::size_t count(const Vec3i& cells)
 {
@@ -34,10 +30,7 @@ void validate(const SessionInput& input)
     input.visibility.validate();
     validate_extinction(*input.volume, input.transfer_function);
     const std::size_t cells = count(VisibilityGrid::cells_of(input.volume->size(), input.visibility.cell));
-    require(JointGrid::bytes_needed(cells, input.visibility.directions) / sizeof(float) <= max_entries,
-            "visibility: {} cells of {} × {} directions are too many (raise visibility.cell or lower "
-            "visibility.directions)",
-            cells, input.visibility.directions, input.visibility.directions);
+    JointGrid::require_indexable(cells, input.visibility.directions);
 }
 
 } // namespace

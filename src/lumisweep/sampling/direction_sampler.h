@@ -16,8 +16,8 @@ namespace lumisweep {
 class DirectionSampler {
 public:
     /// `visibility` may be nullptr for uniform and environment. Strategy::automatic has two-step's density, and a black
-    /// environment the uniform one, as in a session. Throws Error where a grid is needed and missing, or is not of this
-    /// volume's shape.
+    /// environment the uniform one, as in a session. Throws Error where a grid is needed and missing, has more cells
+    /// than the volume has voxels along an axis, or more than can be indexed.
     DirectionSampler(Strategy strategy, std::shared_ptr<const Environment> environment,
                      const VisibilityGrid* visibility, Vec3i volume_size, double epsilon);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "lumisweep/base/error.h"
@@ -44,12 +46,22 @@ std::size_t JointGrid::bytes_needed(std::size_t cell_count, int directions_per_s
     return cell_count * sizeof(float) * (1 + nodes_of(std::countr_zero(static_cast<unsigned>(directions_per_side))));
 }
 
+void JointGrid::require_indexable(std::size_t cell_count, int directions_per_side)
+{
+    constexpr std::uint64_t max_entries = std::numeric_limits<std::int32_t>::max();
+    require(bytes_needed(cell_count, directions_per_side) / sizeof(float) <= max_entries,
+            "visibility: {} cells of {} × {} directions are too many (raise visibility.cell or lower "
+            "visibility.directions)",
+            cell_count, directions_per_side, directions_per_side);
+}
+
 bool JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const Environment& environment,
                       JointFactor factor, double epsilon, const std::atomic<bool>* cancel, const JointKernel& kernel)
 {
     LUMISWEEP_EXPECT(epsilon > 0.0);
     LUMISWEEP_EXPECT(environment.resolution() >= visibility.directions_per_side());
     const std::size_t cell_count = visibility.cell_count();
+    require_indexable(cell_count, visibility.directions_per_side());
     const int levels = std::countr_zero(static_cast<unsigned>(visibility.directions_per_side()));
     const std::size_t node_count = nodes_of(levels);
     if (root_.size() != cell_count || nodes_.size() != cell_count * node_count) {

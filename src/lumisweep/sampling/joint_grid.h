@@ -40,8 +40,9 @@ public:
 
     /// Replaces the whole product, in place when the shape is the same. `volume_size` in voxels. The environment must
     /// have at least as many texels a side as the grid has directions, and a mean luminance > 0 unless the factor is
-    /// visibility_only. epsilon > 0 keeps every direction possible. After std::bad_alloc the grid is empty. False, with
-    /// some cells old and some new, when *cancel became true.
+    /// visibility_only. epsilon > 0 keeps every direction possible. Throws Error for more entries than kernels can
+    /// index; after std::bad_alloc the grid is empty. False, with some cells old and some new, when *cancel became
+    /// true.
     ///
     /// There is no update of single directions: the nodes of a cell are a few cache lines, which a changed direction
     /// has read and written back, while building everything only stores, past the caches. For 128 × 128 × 115 cells,
@@ -51,6 +52,8 @@ public:
                const JointKernel& kernel = *joint_kernels()[0]);
 
     static std::size_t bytes_needed(std::size_t cell_count, int directions_per_side);
+    /// Throws Error for a grid with more entries than kernels can index with 32 bits; build() does.
+    static void require_indexable(std::size_t cell_count, int directions_per_side);
     JointView view() const;
     std::size_t bytes() const { return root_.bytes() + nodes_.bytes(); }
 

@@ -118,7 +118,8 @@ double transmittance_classified(const ExtinctionGrid& extinction, const Vec3d& p
 double transmittance_exact(const ScalarGrid& volume, const TransferFunction& transfer_function, const Vec3d& p_voxel,
                            const Vec3d& w_world, double step_voxels)
 {
-    require(step_voxels > 0.0, "transmittance: a step of {} voxels (use a positive one)", step_voxels);
+    require(step_voxels >= 1e-4 && step_voxels <= 1e4, "transmittance: a step of {} voxels (use 0.0001 to 10000)",
+            step_voxels);
     const Vec3d w = volume.voxel_from_world().vector(w_world);
     const double end = distance_to_outside(p_voxel, w, volume.size());
     const auto steps = static_cast<std::int64_t>(std::ceil(end * length(w) / step_voxels));

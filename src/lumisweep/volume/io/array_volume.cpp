@@ -1,9 +1,12 @@
 #include "lumisweep/volume/io/array_volume.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "lumisweep/base/error.h"
@@ -52,6 +55,11 @@ bool any_infinite(const float* values, std::size_t count)
 }
 
 } // namespace
+
+bool any_infinite(const ScalarGrid& volume)
+{
+    return volume.type() == VoxelType::f32 && any_infinite(volume.voxels<float>(), volume.voxel_count());
+}
 
 std::string why_not_shared(const ArrayVoxels& array)
 {

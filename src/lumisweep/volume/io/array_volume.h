@@ -27,6 +27,9 @@ struct ArrayVoxels {
 /// (ScalarGrid::readable_behind), which is as far as their last page goes.
 std::string why_not_shared(const ArrayVoxels& array);
 
+/// Whether any voxel is infinite, which a borrowed volume must not have: its owner may have written to it.
+bool any_infinite(const ScalarGrid& volume);
+
 enum class Sharing { where_possible, never, required };
 
 struct ArrayVolume {

@@ -1,6 +1,4 @@
 """What the studies share: running the program, statistics of a few runs, Markdown tables, naming the machine."""
-import hashlib
-import json
 import math
 import os
 import platform
@@ -22,15 +20,6 @@ def need_program(program):
     return Path(program)
 
 
-def need_inputs(scenes, lights):
-    for scene in scenes:
-        if not scene_file(scene).is_file():
-            raise StudyError(f"no scene scenes/{scene}.json")
-    for light in lights:
-        if not light_file(light).is_file():
-            raise StudyError(f"no light data/environments/{light}.exr; run scripts/fetch_data {light}")
-
-
 def scene_file(scene):
     return ROOT / "scenes" / f"{scene}.json"
 
@@ -50,38 +39,6 @@ def run_program(arguments):
 
 def set_arguments(settings):
     return [argument for setting in settings for argument in ("--set", setting)]
-
-
-class Renderer:
-    """Runs the command-line program, once per distinct command and build."""
-
-    def __init__(self, program, cache, width, settings=()):
-        self.program, self.cache, self.width = need_program(program), Path(cache), width
-        self.settings = list(settings)
-        self.build = hashlib.sha256(self.program.read_bytes()).hexdigest()[:12]
-        self.cache.mkdir(parents=True, exist_ok=True)
-
-    def call(self, arguments):
-        return run_program([self.program, *arguments])
-
-    def render(self, scene, light, strategy, samples, seed, settings=()):
-        """Returns (image without suffix, stats). What another build made is not reused: it may have been wrong."""
-        arguments = set_arguments([*self.settings, *settings])
-        key = hashlib.sha256(scene_file(scene).read_bytes() + repr((arguments, self.build)).encode()).hexdigest()[:8]
-        stem = self.cache / f"{scene}-{light}-{self.width}-{strategy}-{samples}-{seed}-{key}"
-        stats = Path(f"{stem}.json")
-        if not stats.is_file():
-            # The stats appear last, under a name that is not looked for: what is found is whole.
-            partial = Path(f"{stem}.partial")
-            self.call(["render", scene_file(scene), "--set", f"environment.file={light_file(light)}",
-                       "--set", "image.show_environment=false", *arguments, "--width", self.width, "--height", self.width,
-                       "--strategy", strategy, "--samples", samples, "--seed", seed, "--stats", partial,
-                       "-o", f"{stem}.exr", "-o", f"{stem}.png"])
-            partial.rename(stats)
-        return stem, json.loads(stats.read_text())
-
-    def compare(self, stem, reference):
-        return json.loads(self.call(["compare", f"{stem}.exr", f"{reference}.exr", "--json"]))
 
 
 # --- statistics -----------------------------------------------------------------------------------------------------------

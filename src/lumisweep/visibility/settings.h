@@ -17,7 +17,7 @@ struct VisibilitySettings {
     SweepFilter filter = SweepFilter::half_angle;
     int oversampling = 1; ///< lines swept per direction and averaged: 1, 4 or 16
     /// Added to V before normalising; > 0, else a wrong V = 0 could bias the image. The papers take 0.01; 0.1 leaves as
-    /// little noise on average and less where the gain is smallest (docs/results/visibility-settings.md).
+    /// little noise on average and less where the gain is smallest (docs/results/ablation.md).
     double epsilon = 0.1;
 
     /// Throws Error naming the entry ("visibility.cell") that is out of range.

@@ -128,9 +128,9 @@ def words(results):
             most = max(curve[-1][0] for name in far for curve in found["curves"][name])
             lines.append(plots.prose(f"""Not reached by all seeds within {most} samples, and told by a slope of −1:
                 {', '.join(far)}.""", "  - "))
+    if any(" or " in line for line in lines):
+        lines.append(plots.prose(f"“Or” stands between what {len(SEEDS)} seeds do not tell apart.", "- "))
     lines.append(plots.prose(f"""
-        “Or” stands between what {len(SEEDS)} seeds do not tell apart.
-
         **The paper** says that two-step “requires significantly less samples” and prints its counts inside the figure alone:
         its text has no number to lay beside ours. What ours says depends on how much light is hidden and on the lamps in it,
         which directions that do not know them meet rarely (`equal-time.md`).

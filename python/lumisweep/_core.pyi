@@ -40,8 +40,8 @@ class Volume:
 
         uint8, uint16, int16 and float32 are kept, other types become the smallest of them that holds every value exactly, or
         float32. copy=None shares the array's memory when its type is one of these, it is C-contiguous and in native byte
-        order (the transpose of an [x, y, z] array in Fortran order is), has no infinities, and ends short of the memory's last
-        page; copy=False is an Error where that cannot be, copy=True always copies. A shared array may be changed between
+        order (the transpose of an [x, y, z] array in Fortran order is), has no infinities, and does not end with a page of
+        memory, as kernels read up to 64 bytes further (one array in 64 does); copy=False is an Error where that cannot be, copy=True always copies. A shared array may be changed between
         passes if `Session.volume` is set again afterwards. NaN is empty space.
         """
     @staticmethod
@@ -214,7 +214,7 @@ class Session:
     """A progressive render: volume → majorants, sweeps → film. Set attributes between passes; only what depends on them is redone.
 
     render, prepare and sweeps let other Python threads run and end at Ctrl-C with KeyboardInterrupt, with the passes so far in
-    the film. Meanwhile the session refuses other calls (a progress callback may read it).
+    the film. Meanwhile the session refuses other calls; a progress callback may read film, settings and stats.
     """
 
     def __init__(self, volume: Volume, transfer_function: TransferFunction | None = None, environment: Environment | None = None, *,

@@ -16,11 +16,11 @@ namespace lumisweep::python {
 
 namespace py = pybind11;
 
-// Each adds its classes and functions; the order is that of what they use of each other.
-void bind_settings(py::module_& module);
+// Each adds its classes and functions; in this order, as each may have default arguments of the classes before.
 void bind_volume(py::module_& module);
 void bind_transfer_function(py::module_& module);
 void bind_environment(py::module_& module);
+void bind_settings(py::module_& module);
 void bind_image(py::module_& module);
 void bind_visibility(py::module_& module);
 void bind_sampler(py::module_& module);
@@ -49,6 +49,11 @@ struct VisibilityHandle {
     std::shared_ptr<const VisibilityGrid> grid;
     py::dict stats;
 };
+
+/// Whether the interpreter is about to end, in another thread: those that ask for its lock from then on are killed.
+bool interpreter_is_ending();
+/// Has that known; once.
+void watch_interpreter();
 
 /// What the machine has.
 int all_threads();

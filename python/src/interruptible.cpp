@@ -10,6 +10,26 @@
 
 namespace lumisweep::python {
 
+namespace {
+
+std::thread::id ending_thread; // written before `ending` is set
+std::atomic<bool> ending = false;
+
+} // namespace
+
+bool interpreter_is_ending()
+{
+    return Py_IsInitialized() == 0 || (ending && std::this_thread::get_id() != ending_thread);
+}
+
+void watch_interpreter()
+{
+    py::module_::import("atexit").attr("register")(py::cpp_function([] {
+        ending_thread = std::this_thread::get_id();
+        ending = true;
+    }));
+}
+
 int all_threads() { return tbb::info::default_concurrency(); }
 
 std::unique_ptr<tbb::task_arena> make_arena(int threads)
@@ -38,11 +58,16 @@ void run_interruptible(tbb::task_arena& arena, const std::function<void(const st
         });
         // Only the main thread of Python gets signals; elsewhere the check does nothing.
         while (!interrupted && result.wait_for(20ms) != std::future_status::ready) {
+            if (interpreter_is_ending())
+                break;
             const py::gil_scoped_acquire acquire;
             interrupted = PyErr_CheckSignals() != 0;
         }
-        cancel = interrupted;
+        cancel = interrupted || interpreter_is_ending();
         worker.join();
+        // A daemon thread of Python's that is left behind: it must not come back, and the process takes it along.
+        while (interpreter_is_ending())
+            std::this_thread::sleep_for(1h);
     }
     if (interrupted)
         throw py::error_already_set();

@@ -9,6 +9,7 @@ PYBIND11_MODULE(_core, module)
     module.attr("__version__") = lumisweep::version();
     py::register_exception<lumisweep::Error>(module, "Error", PyExc_RuntimeError).doc() =
         "What the library refuses: one line that says what, where, and the mend.";
+    watch_interpreter();
     bind_volume(module);
     bind_transfer_function(module);
     bind_environment(module);

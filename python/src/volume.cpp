@@ -1,4 +1,3 @@
-#include <atomic>
 #include <filesystem>
 #include <optional>
 
@@ -78,15 +77,11 @@ StoredType stored_type(const py::dtype& type)
          py::str(static_cast<const py::object&>(type)).cast<std::string>());
 }
 
-/// The interpreter is about to end; set with its lock held.
-std::atomic<bool> ending = false;
-
-/// Keeps a Python object alive from wherever the last copy is let go. At the interpreter's end threads that ask for its
-/// lock are killed, so nothing is freed then.
+/// Keeps a Python object alive from wherever the last copy is let go; at the interpreter's end nothing is freed.
 std::shared_ptr<const void> keep(const py::object& object)
 {
     return {object.inc_ref().ptr(), [](PyObject* held) {
-                if (ending || Py_IsInitialized() == 0)
+                if (interpreter_is_ending())
                     return;
                 const py::gil_scoped_acquire acquire;
                 Py_DECREF(held);
@@ -236,7 +231,7 @@ py::dict inspect(const fs::path& file)
 void bind_volume(py::module_& module)
 {
     const py::none none;
-    py::module_::import("atexit").attr("register")(py::cpp_function([] { ending = true; }));
+
     py::class_<VolumeHandle, std::shared_ptr<VolumeHandle>>(module, "Volume",
                                                             "A regular grid of scalar voxels, placed in the world.")
         .def(py::init(&from_array), py::arg("voxels"), py::kw_only(), py::arg("spacing") = none,

@@ -61,7 +61,8 @@ class Gallery(unittest.TestCase):
         self.assertIn("first sample after", self.picture("smoke"))
 
     def test_inspect_pdf(self):
-        means = [(float(mean), float(error)) for mean, error in re.findall(r": ([\d.]+) ± ([\d.]+)", self.picture("inspect_pdf"))]
+        found = re.findall(r": ([\d.]+) ± ([\d.]+)", self.picture("inspect_pdf"))
+        means = [(float(mean), float(error)) for mean, error in found]
         self.assertEqual(len(means), 5)
         for mean, error in means:
             self.assertLess(abs(mean - means[-1][0]), 5 * np.hypot(error, means[-1][1]) + 0.02)

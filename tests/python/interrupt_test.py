@@ -109,6 +109,32 @@ class OtherThreads(unittest.TestCase):
         np.testing.assert_array_equal(images["a"], images["b"])
 
 
+class Ending(unittest.TestCase):
+    """The program ends while a daemon thread renders, or in the middle of what runs at its end."""
+
+    def run_child(self, code):
+        child = subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {FOLDER!r})\n" + textwrap.dedent(code)],
+                               capture_output=True, text=True, timeout=60)
+        self.assertEqual((child.returncode, child.stderr), (0, ""))
+        return child.stdout
+
+    def test_beside_a_daemon_thread(self):
+        for call in ("session.render(samples=10**9)", "session.render(samples=10**9, progress=lambda samples, seconds: None)"):
+            self.run_child(f"""
+                import threading, time
+                from support import ball_session
+                session = ball_session(threads=1)
+                threading.Thread(target=lambda: {call}, daemon=True).start()
+                time.sleep(0.5)""")
+
+    def test_rendering_at_exit(self):
+        out = self.run_child("""
+            import atexit
+            atexit.register(lambda: print(ball_session().render(samples=2).width))
+            from support import ball_session""")
+        self.assertEqual(out, "40\n")
+
+
 class Progress(unittest.TestCase):
     def test_what_it_is_told(self):
         calls = []

@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 
 import lumisweep as ls
-from support import ball, ball_session, ball_transfer_function, ball_volume, wide_sun
+from support import ball, ball_session, ball_transfer_function, ball_volume, shareable, wide_sun
 
 
 class Foreign:
@@ -43,7 +43,7 @@ class Sources(unittest.TestCase):
             ls.Volume(np.ma.masked_less(ball(), 0))
 
     def test_infinities_that_came_later(self):
-        voxels = ball().astype(np.float32)
+        voxels = shareable(ball().astype(np.float32))
         volume = ls.Volume(voxels)
         session = ls.Session(volume, ball_transfer_function(), wide_sun())
         voxels[2, 2, 2] = np.inf
@@ -89,6 +89,17 @@ class Grids(unittest.TestCase):
                 np.testing.assert_array_equal(session.visibility.values, values)
                 session.transfer_function = session.transfer_function  # swept anew
                 self.assertGreater((session.visibility.values != values).mean(), 0.1)
+
+    def test_epsilon_does_not_sweep(self):
+        for strategy in ("uniform", "two-step"):
+            with self.subTest(strategy):
+                session = ball_session(render_settings=ls.RenderSettings(strategy=strategy))
+                values = np.zeros_like(session.visibility.values)
+                session.visibility = ls.VisibilityGrid(values, session.volume, cell=4)
+                session.visibility_settings = session.visibility_settings.replace(epsilon=0.2)
+                self.assertEqual(session.visibility.values.max(), 0)
+                session.visibility_settings = session.visibility_settings.replace(filter="none")
+                self.assertGreater(session.visibility.values.max(), 0)
 
     def test_seconds_stay_with_their_samples(self):
         session = ball_session()

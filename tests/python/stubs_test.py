@@ -16,7 +16,7 @@ volume = ls.Volume(np.zeros((4, 4, 4), np.uint8), spacing=(1.0, 1.0, 2.0))
 session = ls.Session(volume, render_settings=ls.RenderSettings(strategy="two-step"))
 image: ls.Image = session.render(samples=1, progress=lambda samples, seconds: print(samples))
 reveal_type(image.radiance)
-session.render_settings.strategy = "two step"
+session.render_settings = ls.RenderSettings(strategy="two step")
 """
 
 

@@ -37,9 +37,9 @@ RenderProgress Stopping::progress(double elapsed_s) const
     const double done = static_cast<double>(passes());
     if (const auto* samples = std::get_if<StopSamples>(&stop_)) {
         const double wanted = static_cast<double>(samples->samples - first_sample_);
-        state.fraction = done / wanted;
+        state.fraction = std::min(1.0, done / wanted);
     } else if (const auto* time = std::get_if<StopTime>(&stop_)) {
-        state.fraction = elapsed_s / time->seconds;
+        state.fraction = std::min(1.0, elapsed_s / time->seconds);
     } else {
         const double ratio = std::get<StopNoise>(stop_).relative_error / state.noise;
         state.fraction = std::isfinite(ratio) ? std::min(1.0, ratio * ratio) : 0.0; // error falls with √samples

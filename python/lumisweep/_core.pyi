@@ -30,19 +30,20 @@ class Error(RuntimeError):
 class Volume:
     """A regular grid of scalar voxels, placed in the world."""
 
-    def __init__(self, voxels: ArrayLike, *, spacing: ArrayLike | None = None, origin: ArrayLike | None = None, affine: ArrayLike | None = None,
-                 slope: float = 1.0, intercept: float = 0.0, copy: bool | None = None) -> None:
+    def __init__(self, voxels: ArrayLike, *, spacing: ArrayLike | None = None, origin: ArrayLike | None = None,
+                 affine: ArrayLike | None = None, slope: float = 1.0, intercept: float = 0.0, copy: bool | None = None) -> None:
         """From an array [z, y, x]; value = slope · voxel + intercept, in the data's own units.
 
-        spacing and origin (the first voxel's centre) are (x, y, z) in world units and place an axis-aligned grid; `affine` (4 × 4)
-        instead maps the index (i, j, k) of a voxel's centre along x, y, z to the world. NIfTI's affines are of RAS space:
-        np.diag([-1, -1, 1, 1]) @ affine.
+        spacing and origin (the first voxel's centre) are (x, y, z) in world units and place an axis-aligned grid; `affine`
+        (4 × 4) instead maps the index (i, j, k) of a voxel's centre along x, y, z to the world. NIfTI's affines are of RAS
+        space: np.diag([-1, -1, 1, 1]) @ affine.
 
         uint8, uint16, int16 and float32 are kept, other types become the smallest of them that holds every value exactly, or
         float32. copy=None shares the array's memory when its type is one of these, it is C-contiguous and in native byte
         order (the transpose of an [x, y, z] array in Fortran order is), has no infinities, and does not end with a page of
-        memory, as kernels read up to 64 bytes further (one array in 64 does); copy=False is an Error where that cannot be, copy=True always copies. A shared array may be changed between
-        passes if `Session.volume` is set again afterwards. NaN is empty space.
+        memory, as kernels read up to 64 bytes further (one array in 64 does). copy=False is an Error where that cannot be,
+        copy=True always copies. A shared array may be changed between passes if `Session.volume` is set again afterwards.
+        NaN is empty space.
         """
     @staticmethod
     def load(files: _Path | Sequence[_Path], *, frame: int = 0) -> Volume:
@@ -87,7 +88,7 @@ class TransferFunction:
     """Value in data units to extinction (1 / world unit) and albedo, piecewise linear, clamped outside."""
 
     def __init__(self, points: Iterable[_Material], *, extinction_scale: float = 1.0) -> None:
-        """By value; as in a scene file, {"value": v, "extinction": e, "albedo": [r, g, b]}, white where it is left out, or tuples."""
+        """By value; {"value": v, "extinction": e, "albedo": [r, g, b]} as in a scene file (white by default), or tuples."""
     @staticmethod
     def preset(name: str, volume: Volume, *, extinction_scale: float = 1.0) -> TransferFunction:
         """By name (`preset_names()`), fitted to the volume's values; "auto" chooses the preset from the data."""
@@ -191,8 +192,8 @@ class RenderSettings:
 
 @final
 class VisibilitySettings:
-    def __init__(self, *, directions: int = 8, cell: int = 4, rays: int | Literal["auto"] = "auto", filter: _Filter = "half-angle",
-                 oversampling: int = 1, epsilon: float = 0.1) -> None: ...
+    def __init__(self, *, directions: int = 8, cell: int = 4, rays: int | Literal["auto"] = "auto",
+                 filter: _Filter = "half-angle", oversampling: int = 1, epsilon: float = 0.1) -> None: ...
     @property
     def directions(self) -> int: ...
     @property
@@ -211,22 +212,24 @@ class VisibilitySettings:
 
 @final
 class Session:
-    """A progressive render: volume → majorants, sweeps → film. Set attributes between passes; only what depends on them is redone.
+    """A progressive render: volume → majorants, sweeps → film.
+
+    Set attributes between passes; only what depends on them is redone.
 
     render, prepare and sweeps let other Python threads run and end at Ctrl-C with KeyboardInterrupt, with the passes so far in
     the film. Meanwhile the session refuses other calls; a progress callback may read film, settings and stats.
     """
 
-    def __init__(self, volume: Volume, transfer_function: TransferFunction | None = None, environment: Environment | None = None, *,
-                 camera: Camera | None = None, image_settings: ImageSettings = ..., render_settings: RenderSettings = ...,
+    def __init__(self, volume: Volume, transfer_function: TransferFunction | None = None,
+                 environment: Environment | None = None, *, camera: Camera | None = None, image_settings: ImageSettings = ..., render_settings: RenderSettings = ...,
                  visibility_settings: VisibilitySettings = ..., threads: int = 0, isa: _Isa = "auto") -> None:
         """What is None is chosen as for the command line: a preset, the sky, a camera that frames the volume.
 
         threads 0: all that the machine has, which is also the most.
         """
     @staticmethod
-    def load(scene: _Path | Mapping[str, Any], *, overrides: Mapping[str, Any] = ..., base_directory: _Path = ..., threads: int = 0,
-             isa: _Isa = "auto") -> Session:
+    def load(scene: _Path | Mapping[str, Any], *, overrides: Mapping[str, Any] = ..., base_directory: _Path = ...,
+             threads: int = 0, isa: _Isa = "auto") -> Session:
         """From a scene file, or a dictionary with a scene file's entries; overrides {"visibility.cell": 8} are put in before.
 
         Paths are relative to the file, or to base_directory (the current one).
@@ -269,7 +272,10 @@ class Session:
     def image(self) -> Image:
         """The film as it is; an Error before the first pass."""
     def sweep_in_background(self, threads: int = 0) -> None:
-        """Edits do not wait for sweeps from now on; passes go on with the visibility that is there. threads 0: half of the machine's."""
+        """Edits do not wait for sweeps from now on; passes go on with the visibility that is there.
+
+        threads 0: half of the machine's.
+        """
     def sweep_before_pass(self) -> None:
         """The default: the next pass waits, and images repeat to the bit."""
     @property
@@ -310,15 +316,15 @@ def sweep_visibility(volume: Volume, transfer_function: TransferFunction, settin
 def brute_force_visibility(volume: Volume, transfer_function: TransferFunction, settings: VisibilitySettings = ..., *,
                            reference: Literal["classified", "exact"] = "classified", step_voxels: float = 0.5,
                            threads: int = 0) -> VisibilityGrid:
-    """One ray for every cell and direction, in double precision, rounded to 8 bits: slow. See `transmittance` for the references."""
+    """One ray for every cell and direction, in double precision, rounded to 8 bits: slow. `transmittance` has the references."""
 
 def transmittance(volume: Volume, transfer_function: TransferFunction, positions: ArrayLike, directions: ArrayLike, *,
                   reference: Literal["classified", "exact"] = "exact", step_voxels: float = 0.5,
                   threads: int = 0) -> NDArray[np.float64]:
     """From world positions [..., 3] along unit directions [..., 3] (broadcast) to the outside, in double precision.
 
-    "exact": the renderer's volume, interpolated and then classified, by midpoint steps of `step_voxels`. "classified": the sweeps'
-    volume, classified to 8 bits and then interpolated, integrated exactly. 1 from positions outside of the volume.
+    "exact": the renderer's volume, interpolated and then classified, by midpoint steps of `step_voxels`. "classified": the
+    sweeps' volume, classified to 8 bits and then interpolated, integrated exactly. 1 from positions outside of the volume.
     """
 
 def cell_centres(volume: Volume, *, cell: int = 4) -> NDArray[np.float64]:
@@ -377,7 +383,7 @@ class Image:
         """[height, width]: distance of the first collision along the camera ray, mean over samples."""
     def write_exr(self, file: _Path) -> None: ...
     def tone_map(self, *, exposure: float | None = None, show_environment: bool | None = None) -> NDArray[np.uint8]:
-        """[height, width, 3 or 4], sRGB, as the command line's PNG; show_environment False: nothing behind the volume, with alpha."""
+        """[height, width, 3 or 4], sRGB, as the command line's PNG; show_environment False: nothing behind, with alpha."""
     def write_png(self, file: _Path, *, exposure: float | None = None, show_environment: bool | None = None) -> None: ...
 
 def read_exr(file: _Path) -> Image: ...

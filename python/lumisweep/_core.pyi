@@ -1,8 +1,8 @@
 """The compiled module: the library's public API, with NumPy arrays.
 
-Arrays of voxels and cells are indexed [z, y, x]; positions, sizes, spacings and directions are written (x, y, z). World space is the
-file's physical space (LPS millimetres for medical formats), +Z up for environments. Directions point towards the light. Whatever
-the library refuses is an Error with its message.
+Arrays of voxels and cells are indexed [z, y, x]; positions, sizes, spacings and directions are written (x, y, z). World space is
+the file's physical space (LPS millimetres for medical formats), +Z up for environments. Directions point towards the light.
+Whatever the library refuses is an Error with its message.
 """
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
@@ -221,8 +221,8 @@ class Session:
     """
 
     def __init__(self, volume: Volume, transfer_function: TransferFunction | None = None,
-                 environment: Environment | None = None, *, camera: Camera | None = None, image_settings: ImageSettings = ..., render_settings: RenderSettings = ...,
-                 visibility_settings: VisibilitySettings = ..., threads: int = 0, isa: _Isa = "auto") -> None:
+                 environment: Environment | None = None, *, camera: Camera | None = None,
+                 image_settings: ImageSettings = ..., render_settings: RenderSettings = ..., visibility_settings: VisibilitySettings = ..., threads: int = 0, isa: _Isa = "auto") -> None:
         """What is None is chosen as for the command line: a preset, the sky, a camera that frames the volume.
 
         threads 0: all that the machine has, which is also the most.

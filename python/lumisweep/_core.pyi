@@ -222,7 +222,8 @@ class Session:
 
     def __init__(self, volume: Volume, transfer_function: TransferFunction | None = None,
                  environment: Environment | None = None, *, camera: Camera | None = None,
-                 image_settings: ImageSettings = ..., render_settings: RenderSettings = ..., visibility_settings: VisibilitySettings = ..., threads: int = 0, isa: _Isa = "auto") -> None:
+                 image_settings: ImageSettings = ..., render_settings: RenderSettings = ...,
+                 visibility_settings: VisibilitySettings = ..., threads: int = 0, isa: _Isa = "auto") -> None:
         """What is None is chosen as for the command line: a preset, the sky, a camera that frames the volume.
 
         threads 0: all that the machine has, which is also the most.

@@ -27,6 +27,7 @@ DIRECT = {
     "sampling": ["visibility", "light"],
     "render": ["sampling"],
     "backends/cpu": ["render"],
+    "backends/cuda": ["render"],
     "scene": ["backends/cpu", "volume/io"],
 }
 INTRINSICS = re.compile(r"(?:[a-z]*mmintrin|immintrin|x86intrin|x86gprintrin)\.h|arm_neon\.h")

@@ -5,7 +5,6 @@
 // wraps on overflow). Above this header code reads like scalar code. F = double has what the oracles need of it.
 #pragma once
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -73,7 +72,14 @@ LUMISWEEP_HD double floor(double a) { return std::floor(a); }
 LUMISWEEP_HD float copysign(float magnitude, float sign) { return std::copysign(magnitude, sign); }
 LUMISWEEP_HD double copysign(double magnitude, double sign) { return std::copysign(magnitude, sign); }
 /// a · b + c; fused where the lane type's machine fuses (so results differ between lane types by rounding only).
-LUMISWEEP_HD float fma(float a, float b, float c) { return a * b + c; }
+LUMISWEEP_HD float fma(float a, float b, float c)
+{
+#if defined(__CUDA_ARCH__)
+    return __fmaf_rn(a, b, c);
+#else
+    return a * b + c;
+#endif
+}
 LUMISWEEP_HD double fma(double a, double b, double c) { return a * b + c; }
 /// Natural logarithm of a normal, positive number.
 LUMISWEEP_HD float log(float a) { return std::log(a); }
@@ -113,8 +119,8 @@ LUMISWEEP_HD std::int32_t shift_right(std::int32_t a, int by)
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) >> by);
 }
 
-LUMISWEEP_HD std::int32_t as_int(float a) { return std::bit_cast<std::int32_t>(a); }
-LUMISWEEP_HD float as_float(std::int32_t a) { return std::bit_cast<float>(a); }
+LUMISWEEP_HD std::int32_t as_int(float a) { return __builtin_bit_cast(std::int32_t, a); }
+LUMISWEEP_HD float as_float(std::int32_t a) { return __builtin_bit_cast(float, a); }
 
 /// log for lane types without one: a = 2^e · m with m in [√½, √2), then the polynomial of Cephes' logf (S. Moshier) in
 /// m − 1; error below 2 ulp for normal, positive numbers.

@@ -9,8 +9,8 @@
 #include "lumisweep/sampling/direction_sampling.h"
 #include "lumisweep/volume/grid_view.h"
 #include "lumisweep/volume/majorant_view.h"
-#include "lumisweep/volume/scalar_grid.h"
 #include "lumisweep/volume/transfer_function_view.h"
+#include "lumisweep/volume/voxel_type.h"
 
 namespace lumisweep {
 

@@ -10,12 +10,12 @@
 // the grid holds, as J > 0 wherever the light is (ε > 0).
 #pragma once
 
-#include "lumisweep/light/environment.h"
+#include "lumisweep/light/environment_view.h"
 #include "lumisweep/math/morton.h"
 #include "lumisweep/math/octahedral.h"
 #include "lumisweep/math/random.h"
 #include "lumisweep/sampling/hierarchical_warp.h"
-#include "lumisweep/sampling/joint_grid.h"
+#include "lumisweep/sampling/joint_view.h"
 #include "lumisweep/sampling/strategy.h"
 
 namespace lumisweep {

@@ -9,25 +9,13 @@
 #include "lumisweep/light/environment.h"
 #include "lumisweep/math/vec.h"
 #include "lumisweep/sampling/joint_kernel.h"
+#include "lumisweep/sampling/joint_view.h"
 #include "lumisweep/visibility/visibility_grid.h"
 
 namespace lumisweep {
 
 /// What the product is taken with.
 enum class JointFactor { visibility_only, visibility_times_light };
-
-/// As kernels read it. Cells as in VisibilityGrid; `levels` = log2 of the directions per side.
-/// Memory: root [cells] float: the mean over directions of J = (V + ε) · L̄ / mean L̄. nodes [cells][node_count] float:
-/// the averages of J at level l = 1 … levels, Morton order, level l from (4^l − 4)/3 on; the last level is J itself.
-/// Dividing by root gives a density per unit octahedral square.
-struct JointView {
-    const float* root = nullptr;
-    const float* nodes = nullptr;
-    int node_count = 0;
-    int levels = 0;
-    Vec3i cells{0, 0, 0};
-    Vec3f cells_per_voxel{0.0F, 0.0F, 0.0F};
-};
 
 class JointGrid {
 public:

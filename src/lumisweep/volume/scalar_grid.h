@@ -15,13 +15,9 @@
 #include "lumisweep/base/aligned.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/math/vec.h"
+#include "lumisweep/volume/voxel_type.h"
 
 namespace lumisweep {
-
-enum class VoxelType : std::uint8_t { u8, u16, i16, f32 };
-
-std::size_t size_of(VoxelType type);
-const char* name_of(VoxelType type);
 
 class ScalarGrid {
 public:

@@ -149,7 +149,7 @@ Reference make_reference(const SessionInput& input, int samples, std::uint64_t s
             reference.color[i] += static_cast<float>(0.5 * value);
         }
         for (std::size_t p = 0; p < pixels; ++p) {
-            const float* features = film.features().data() + Film::feature_count * p;
+            const float* features = film.features().data() + feature_count * p;
             for (std::size_t c = 0; c < 3; ++c)
                 reference.albedo[3 * p + c] += 0.5F * features[c] / static_cast<float>(half);
             reference.covered[p] += 0.5F * features[7] / static_cast<float>(half);

@@ -112,7 +112,7 @@ void measure_on_one_thread(benchmark::State& state, const SessionInput& input, c
     const double paths_a_pass = static_cast<double>(input.image.width) * input.image.height;
     const Film& film = full.session().film();
     double hits = 0.0;
-    for (std::size_t i = 7; i < film.features().size(); i += Film::feature_count)
+    for (std::size_t i = 7; i < film.features().size(); i += feature_count)
         hits += film.features()[i];
     state.counters["paths_per_s"] = paths_a_pass / full.least_s();
     state.counters["collided"] = hits / paths;

@@ -28,7 +28,8 @@ DIRECT = {
     "render": ["sampling"],
     "backends/cpu": ["render"],
     "backends/cuda": ["render"],
-    "scene": ["backends/cpu", "volume/io"],
+    "backends": ["backends/cpu", "backends/cuda"],
+    "scene": ["backends", "volume/io"],
 }
 INTRINSICS = re.compile(r"(?:[a-z]*mmintrin|immintrin|x86intrin|x86gprintrin)\.h|arm_neon\.h")
 INTRINSICS_HOME = re.compile(r"lanes_\w+\.h|\w+_(?:avx2|avx512)\.cpp")

@@ -13,7 +13,6 @@
 
 #include "commands.h"
 #include "interrupt.h"
-#include "lumisweep/backends/cpu/cpu_backend.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/version.h"
 #include "lumisweep/render/backend.h"
@@ -196,7 +195,7 @@ void render(RenderOptions options)
             "{}: no such checkpoint (check the path after --resume)", options.resume);
 
     run_with_threads(options.scene.threads, [&] {
-        std::shared_ptr<Backend> backend = make_cpu_backend(options.scene.isa);
+        std::shared_ptr<Backend> backend = backend_of(options.scene);
         LoadedScene loaded = load_scene(scene);
         report(loaded, *backend);
         const std::string isa = backend->isa();

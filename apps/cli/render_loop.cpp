@@ -39,7 +39,7 @@ RenderResult render_until(Session& session, const StopCriterion& stop, Checkpoin
 {
     using Clock = std::chrono::steady_clock;
     session.prepare();
-    const Stopping stopping(stop, session.film());
+    Stopping stopping(stop, session.film());
     Progress progress;
     RenderResult result;
     const Clock::time_point begin = Clock::now();

@@ -10,6 +10,7 @@
 
 #include "commands.h"
 #include "lumisweep/backends/cpu/cpu_backend.h"
+#include "lumisweep/backends/make_backend.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/scene/presets.h"
 #include "lumisweep/scene/scene_file.h"
@@ -61,9 +62,8 @@ std::vector<SceneOverride> overrides_of(const SceneOptions& options)
     return overrides;
 }
 
-void require_device(const SceneOptions& options)
+void require_isa(const SceneOptions& options)
 {
-    require(options.device == "cpu", "--device cuda: this build has no CUDA backend (take --device cpu)");
     const std::vector<std::string> isas = available_isas();
     require(options.isa == "auto" || std::find(isas.begin(), isas.end(), options.isa) != isas.end(),
             "--isa {}: this machine or build does not have it (take one of auto, {})", options.isa,
@@ -87,8 +87,8 @@ void add_scene_options(CLI::App& app, SceneOptions& options)
     app.add_option("--set", options.overrides, "Overrides a scene entry, as in --set visibility.cell=8; repeatable")
         ->type_name("KEY.PATH=VALUE")
         ->allow_extra_args(false);
-    app.add_option("--device", options.device, "Where to compute")
-        ->check(CLI::IsMember({"cpu", "cuda"}))
+    app.add_option("--device", options.device, "Where to compute; auto takes a GPU if there is one")
+        ->check(CLI::IsMember({"cpu", "cuda", "auto"}))
         ->capture_default_str();
     app.add_option("--isa", options.isa, "Instruction set")
         ->check(CLI::IsMember({"auto", "baseline", "avx2", "avx512"}))
@@ -104,7 +104,7 @@ SceneDescription read_scene(const SceneOptions& options)
         throw UsageError("nothing to render: give SCENE.json or --volume FILE (see lumisweep render --help)");
     if (options.quiet)
         spdlog::set_level(spdlog::level::warn);
-    require_device(options);
+    require_isa(options);
     const std::vector<SceneOverride> overrides = overrides_of(options);
     SceneDescription scene = options.scene_file.empty()
                                  ? parse_scene("{}", "command line", fs::current_path(), overrides)
@@ -115,6 +115,14 @@ SceneDescription read_scene(const SceneOptions& options)
             options.scene_file);
     require_files(scene);
     return scene;
+}
+
+std::shared_ptr<Backend> backend_of(const SceneOptions& options)
+{
+    ChosenBackend chosen = make_backend(device_of(options.device), options.isa);
+    if (!chosen.note.empty())
+        spdlog::info("{}", chosen.note);
+    return std::move(chosen.backend);
 }
 
 void run_with_threads(int threads, const std::function<void()>& work)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,10 @@
 
 namespace CLI {
 class App;
+}
+
+namespace lumisweep {
+class Backend;
 }
 
 namespace lumisweep::cli {
@@ -25,9 +30,12 @@ struct SceneOptions {
 void add_scene_options(CLI::App& app, SceneOptions& options);
 
 /// The scene file with its overrides and the other options put in; validated, and its files are there. Throws
-/// UsageError when there is neither a scene nor a volume, Error for what is wrong with them and for a device that is
-/// not there.
+/// UsageError when there is neither a scene nor a volume, Error for what is wrong with them and for an instruction set
+/// that is not there.
 SceneDescription read_scene(const SceneOptions& options);
+
+/// Throws Error for a device that is not there; auto that falls back to the CPU says so.
+std::shared_ptr<Backend> backend_of(const SceneOptions& options);
 
 /// Runs `work` with options.threads threads.
 void run_with_threads(int threads, const std::function<void()>& work);

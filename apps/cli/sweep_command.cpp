@@ -14,6 +14,8 @@
 #include "commands.h"
 #include "lumisweep/base/memory.h"
 #include "lumisweep/base/stopwatch.h"
+#include "lumisweep/render/backend.h"
+#include "lumisweep/render/session.h"
 #include "lumisweep/sampling/joint_grid.h"
 #include "lumisweep/scene/load_scene.h"
 #include "lumisweep/visibility/brute_force.h"
@@ -37,6 +39,7 @@ struct SweepRun {
     SweepStats sweep;
     Vec3i cells{0, 0, 0};
     int directions = 0, threads = 0;
+    std::string device;
     std::uint64_t volume_bytes = 0, extinction_bytes = 0, visibility_bytes = 0, product_bytes = 0;
     std::optional<SweepCheck> check;
 };
@@ -54,8 +57,50 @@ void take_product(SweepRun& run, const VisibilityGrid& grid, const SessionInput&
     run.product_bytes = product.bytes();
 }
 
+/// With a strategy that needs the grid, and the least of an image.
+SessionInput swept_alone(SessionInput input)
+{
+    input.render.strategy = Strategy::two_step;
+    input.image.width = input.image.height = 1;
+    if (!(input.environment->mean_luminance() > 0.0)) // which nobody would sweep for
+        input.environment = std::make_shared<const Environment>();
+    return input;
+}
+
+/// On the CPU, stage by stage.
+VisibilityGrid sweep_on_cpu(SweepRun& run, const SessionInput& input, const RawRange& range)
+{
+    const auto begin = std::chrono::steady_clock::now();
+    const ExtinctionGrid extinction = classify(*input.volume, range, input.transfer_function,
+                                               sweep_mip_level(input.volume->size(), input.visibility.rays));
+    run.classify_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    VisibilityGrid grid(input.volume->size(), input.visibility.cell, input.visibility.directions);
+    run.sweep = sweep_visibility(grid, extinction, input.visibility);
+    run.extinction_bytes = extinction.bytes();
+    run.visibility_bytes = grid.bytes();
+    take_product(run, grid, input);
+    return grid;
+}
+
+/// As a session does it, whose grid `session` keeps. The second time, when memory has been taken and tables are there.
+const VisibilityGrid& sweep_on_device(SweepRun& run, Session& session)
+{
+    session.prepare();
+    const SessionStats first = session.stats();
+    session.set_transfer_function(session.input().transfer_function);
+    session.prepare();
+    const SessionStats& stats = session.stats();
+    run.classify_s = stats.classify_s - first.classify_s;
+    run.product_s = stats.joint_s - first.joint_s;
+    run.sweep = stats.last_sweep;
+    run.visibility_bytes = stats.visibility_bytes;
+    run.product_bytes = stats.joint_bytes;
+    return session.visibility();
+}
+
 SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
 {
+    std::shared_ptr<Backend> backend = backend_of(options.scene);
     const LoadedScene loaded = load_scene(scene);
     for (const std::string& note : loaded.notes)
         spdlog::info("{}", note);
@@ -66,19 +111,18 @@ SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
     run.load_s = loaded.load_s;
     run.threads = tbb::this_task_arena::max_concurrency();
     const RawRange range = raw_range(*input.volume);
-    const auto begin = std::chrono::steady_clock::now();
-    const ExtinctionGrid extinction = classify(*input.volume, range, input.transfer_function,
-                                               sweep_mip_level(input.volume->size(), input.visibility.rays));
-    run.classify_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    VisibilityGrid grid(input.volume->size(), input.visibility.cell, input.visibility.directions);
-    run.sweep = sweep_visibility(grid, extinction, input.visibility);
+    run.device = backend->device();
+    std::unique_ptr<Session> session;
+    VisibilityGrid swept;
+    if (run.device == "cpu")
+        swept = sweep_on_cpu(run, input, range);
+    else
+        session = std::make_unique<Session>(swept_alone(input), std::move(backend));
+    const VisibilityGrid& grid = session ? sweep_on_device(run, *session) : swept;
     run.cells = grid.cells();
     run.directions = grid.direction_count();
     run.volume_bytes = input.volume->bytes();
-    run.extinction_bytes = extinction.bytes();
-    run.visibility_bytes = grid.bytes();
     run.automatic_rays = input.visibility.rays == 0;
-    take_product(run, grid, input);
     if (options.check > 0) {
         const ExtinctionGrid finest =
             classify(*input.volume, range, input.transfer_function, 0, ExtinctionLayouts::straight);
@@ -111,6 +155,7 @@ void print_json(const SweepRun& run)
     json["voxel_steps_per_second"] = steps_per_second(run);
     json["bytes_read"] = run.sweep.bytes_read;
     json["threads"] = run.threads;
+    json["device"] = run.device;
     json["memory_bytes"] = {{"volume", run.volume_bytes},
                             {"extinction", run.extinction_bytes},
                             {"visibility", run.visibility_bytes},
@@ -132,8 +177,9 @@ void print_text(const SweepRun& run)
     fmt::print("rays             {} along the longer side (mip level {}{}), {:.4g} voxel steps\n", run.sweep.rays,
                run.sweep.mip_level, run.automatic_rays ? ", chosen by \"auto\"" : "",
                static_cast<double>(run.sweep.voxel_steps));
-    fmt::print("load             {:.3f} s\nclassify         {:.3f} s\nsweep            {:.3f} s on {} threads\n",
-               run.load_s, run.classify_s, run.sweep.total_s, run.threads);
+    fmt::print("load             {:.3f} s\nclassify         {:.3f} s\nsweep            {:.4f} s on {}\n", run.load_s,
+               run.classify_s, run.sweep.total_s,
+               run.device == "cpu" ? fmt::format("{} threads", run.threads) : run.device);
     fmt::print("  layouts {:.3f} s, march {:.3f} s, lookup {:.3f} s, filter {:.3f} s: processor time of all threads\n",
                run.sweep.layout_s, run.sweep.march_s, run.sweep.lookup_s, run.sweep.filter_s);
     fmt::print("  {:.3g} voxel steps a second of layouts and march, {} of voxels read\n", steps_per_second(run),

@@ -20,6 +20,7 @@ _Strategy = Literal["uniform", "environment", "visibility", "combined", "two-ste
 _RandomNumbers = Literal["auto", "independent", "stratified"]
 _Filter = Literal["none", "half-angle", "full-angle"]
 _Isa = Literal["auto", "baseline", "avx2", "avx512"]
+_Device = Literal["auto", "cpu", "cuda"]
 
 class Error(RuntimeError):
     """What the library refuses: one line that says what, where, and the mend."""
@@ -223,14 +224,17 @@ class Session:
     def __init__(self, volume: Volume, transfer_function: TransferFunction | None = None,
                  environment: Environment | None = None, *, camera: Camera | None = None,
                  image_settings: ImageSettings = ..., render_settings: RenderSettings = ...,
-                 visibility_settings: VisibilitySettings = ..., threads: int = 0, isa: _Isa = "auto") -> None:
+                 visibility_settings: VisibilitySettings = ..., threads: int = 0, isa: _Isa = "auto",
+                 device: _Device = "cpu") -> None:
         """What is None is chosen as for the command line: a preset, the sky, a camera that frames the volume.
+
+        device "auto": a GPU if there is one, else the CPU, which notes says.
 
         threads 0: all that the machine has, which is also the most.
         """
     @staticmethod
     def load(scene: _Path | Mapping[str, Any], *, overrides: Mapping[str, Any] = ..., base_directory: _Path = ...,
-             threads: int = 0, isa: _Isa = "auto") -> Session:
+             threads: int = 0, isa: _Isa = "auto", device: _Device = "cpu") -> Session:
         """From a scene file, or a dictionary with a scene file's entries; overrides {"visibility.cell": 8} are put in before.
 
         Paths are relative to the file, or to base_directory (the current one).
@@ -255,12 +259,16 @@ class Session:
     def noise(self) -> float:
         """Estimated relative error of the image; infinite while unknown."""
     @property
+    def device(self) -> str: ...
+    @property
     def isa(self) -> str: ...
     @property
     def threads(self) -> int: ...
     @property
     def stats(self) -> dict[str, Any]:
         """As --stats of the command line: "seconds" by stage, "memory_bytes", "paths", "shadow_rays", "steps"."""
+    def prefetch(self, volume: Volume) -> None:
+        """The volume that will be set next, as of a time series: a GPU begins to copy it while passes go on."""
     def prepare(self) -> None:
         """Majorants, sweeps, joint grid: what the next pass would begin with."""
     def render(self, *, samples: int | None = None, time: float | None = None, noise: float | None = None,

@@ -7,6 +7,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "arrays.h"
+#include "lumisweep/backends/make_backend.h"
 #include "lumisweep/base/memory.h"
 #include "lumisweep/render/backend.h"
 #include "session_handle.h"
@@ -22,10 +23,10 @@ std::shared_ptr<SessionHandle> from_parts(const std::shared_ptr<VolumeHandle>& v
                                           std::shared_ptr<EnvironmentHandle> environment,
                                           const std::optional<Camera>& camera, const ImageSettings& image,
                                           const RenderSettings& render, const VisibilitySettings& visibility,
-                                          int threads, const std::string& isa)
+                                          int threads, const std::string& isa, const std::string& device)
 {
     require(volume != nullptr, "session: volume is None");
-    std::shared_ptr<Backend> backend = make_cpu_backend(isa);
+    ChosenBackend chosen = make_backend(device_of(device), isa);
     std::unique_ptr<tbb::task_arena> arena = make_arena(threads);
     std::vector<std::string> notes;
     SessionInput input;
@@ -47,7 +48,9 @@ std::shared_ptr<SessionHandle> from_parts(const std::shared_ptr<VolumeHandle>& v
         });
     }
     auto handle = std::make_shared<SessionHandle>(volume, environment, std::move(input), StopSamples{},
-                                                  std::move(arena), std::move(backend));
+                                                  std::move(arena), std::move(chosen.backend));
+    if (!chosen.note.empty())
+        notes.push_back(chosen.note);
     handle->notes = std::move(notes);
     handle->warnings = volume->warnings;
     handle->warnings.insert(handle->warnings.end(), environment->warnings.begin(), environment->warnings.end());
@@ -79,9 +82,9 @@ SceneDescription described(const py::object& scene, const py::dict& overrides, c
 }
 
 std::shared_ptr<SessionHandle> load(const py::object& scene, const py::dict& overrides, const fs::path& base_directory,
-                                    int threads, const std::string& isa)
+                                    int threads, const std::string& isa, const std::string& device)
 {
-    std::shared_ptr<Backend> backend = make_cpu_backend(isa);
+    ChosenBackend chosen = make_backend(device_of(device), isa);
     std::unique_ptr<tbb::task_arena> arena = make_arena(threads);
     const SceneDescription description = described(scene, overrides, base_directory);
     LoadedScene loaded;
@@ -93,7 +96,9 @@ std::shared_ptr<SessionHandle> load(const py::object& scene, const py::dict& ove
         std::make_shared<VolumeHandle>(VolumeHandle{loaded.input.volume, loaded.modality, loaded.frames, false, {}});
     auto environment = std::make_shared<EnvironmentHandle>(EnvironmentHandle{loaded.input.environment, {}});
     auto handle = std::make_shared<SessionHandle>(std::move(volume), std::move(environment), std::move(loaded.input),
-                                                  description.stop, std::move(arena), std::move(backend));
+                                                  description.stop, std::move(arena), std::move(chosen.backend));
+    if (!chosen.note.empty())
+        loaded.notes.push_back(chosen.note);
     handle->notes = std::move(loaded.notes);
     handle->warnings = std::move(loaded.warnings);
     return handle;
@@ -162,9 +167,11 @@ and end at Ctrl-C with KeyboardInterrupt, with the passes so far in the film. Me
              py::arg("environment") = none, py::kw_only(), py::arg("camera") = none,
              py::arg("image_settings") = ImageSettings{}, py::arg("render_settings") = RenderSettings{},
              py::arg("visibility_settings") = VisibilitySettings{}, py::arg("threads") = 0, py::arg("isa") = "auto",
+             py::arg("device") = "cpu",
              "What is None is chosen as for the command line: a preset, the sky, a camera that frames the volume.")
         .def_static("load", &load, py::arg("scene"), py::kw_only(), py::arg("overrides") = py::dict(),
                     py::arg("base_directory") = ".", py::arg("threads") = 0, py::arg("isa") = "auto",
+                    py::arg("device") = "cpu",
                     R"(From a scene file, or a dictionary with a scene file's entries.
 
 overrides {"visibility.cell": 8} are put in before; paths are relative to the file, or to base_directory.)")
@@ -192,9 +199,12 @@ overrides {"visibility.cell": 8} are put in before; paths are relative to the fi
         .def_property_readonly(
             "noise", [](const Handle& h) { return h.session().film().noise(); },
             "Estimated relative error of the image; infinite while unknown.")
+        .def_property_readonly("device", [](const Handle& h) { return h.session().backend().device(); })
         .def_property_readonly("isa", [](const Handle& h) { return h.session().backend().isa(); })
         .def_property_readonly("threads", [](const Handle& h) { return h.threads(); })
         .def_property_readonly("stats", &stats_of, "As --stats of the command line.")
+        .def("prefetch", &Handle::prefetch, py::arg("volume"),
+             "The volume that will be set next, as of a time series: a GPU begins to copy it while passes go on.")
         .def("prepare", &Handle::prepare, "Majorants, sweeps, joint grid: what the next pass would begin with.")
         .def(
             "render",

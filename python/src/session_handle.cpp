@@ -76,6 +76,15 @@ void SessionHandle::set_volume(std::shared_ptr<VolumeHandle> volume)
     kept_visibility_.reset();
 }
 
+void SessionHandle::prefetch(const std::shared_ptr<VolumeHandle>& volume)
+{
+    require(volume != nullptr, "session: volume is None");
+    edit([&](Session& s) {
+        require_finite(*volume->grid);
+        s.prefetch(volume->grid);
+    });
+}
+
 void SessionHandle::set_environment(std::shared_ptr<EnvironmentHandle> environment)
 {
     require(environment != nullptr, "session: environment is None");
@@ -120,7 +129,7 @@ void SessionHandle::render(const StopCriterion& stop, const Progress& progress)
         using Clock = std::chrono::steady_clock;
         Clock::time_point begin = Clock::now();
         const double before = render_s_;
-        const Stopping stopping(stop, session_->film());
+        Stopping stopping(stop, session_->film());
         double elapsed_s = 0.0, told_s = -1.0;
         while (!stopping.met(elapsed_s) && session_->render_pass(&cancel) == PassEnd::complete) {
             const Clock::time_point end = Clock::now();

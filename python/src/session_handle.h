@@ -40,6 +40,7 @@ public:
 
     /// A call of a setter.
     void edit(const std::function<void(Session&)>& call);
+    void prefetch(const std::shared_ptr<VolumeHandle>& volume);
     void set_volume(std::shared_ptr<VolumeHandle> volume);
     void set_environment(std::shared_ptr<EnvironmentHandle> environment);
     void set_transfer_function(const TransferFunction& transfer_function);

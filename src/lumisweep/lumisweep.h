@@ -2,7 +2,8 @@
 // examples/embed.cpp is a whole program.
 #pragma once
 
-#include "lumisweep/backends/cpu/cpu_backend.h"   // make_cpu_backend
+#include "lumisweep/backends/cpu/cpu_backend.h"   // make_cpu_backend, available_isas
+#include "lumisweep/backends/make_backend.h"      // make_backend: the CPU or a GPU
 #include "lumisweep/base/error.h"                 // Error: what everything here throws
 #include "lumisweep/base/version.h"               // version
 #include "lumisweep/image/compare.h"              // compare_images

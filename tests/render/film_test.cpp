@@ -174,12 +174,13 @@ TEST(FilmTest, GoesOnWithinABlock)
             film->set_draws(Draws::stratified);
         for (std::size_t n = 0; n < stop; ++n)
             add(first, samples[n]);
-        std::copy(first.color_sum().begin(), first.color_sum().end(), resumed.color_sum().begin());
-        std::copy(first.color_sum_squares().begin(), first.color_sum_squares().end(),
-                  resumed.color_sum_squares().begin());
-        std::copy(first.block_sum_squares().begin(), first.block_sum_squares().end(),
-                  resumed.block_sum_squares().begin());
-        std::copy(first.block_begin().begin(), first.block_begin().end(), resumed.block_begin().begin());
+        std::copy(first.arrays().color_sum.begin(), first.arrays().color_sum.end(), resumed.arrays().color_sum.begin());
+        std::copy(first.arrays().color_sum_squares.begin(), first.arrays().color_sum_squares.end(),
+                  resumed.arrays().color_sum_squares.begin());
+        std::copy(first.arrays().block_sum_squares.begin(), first.arrays().block_sum_squares.end(),
+                  resumed.arrays().block_sum_squares.begin());
+        std::copy(first.arrays().block_begin.begin(), first.arrays().block_begin.end(),
+                  resumed.arrays().block_begin.begin());
         resumed.set_samples(first.samples());
         for (std::size_t n = 0; n < samples.size(); ++n) {
             add(straight, samples[n]);
@@ -187,10 +188,10 @@ TEST(FilmTest, GoesOnWithinABlock)
                 continue;
             add(resumed, samples[n]);
             for (std::size_t c = 0; c < 3; ++c) {
-                EXPECT_EQ(straight.color_sum()[c], resumed.color_sum()[c]);
-                EXPECT_EQ(straight.color_sum_squares()[c], resumed.color_sum_squares()[c]);
-                EXPECT_EQ(straight.block_sum_squares()[c], resumed.block_sum_squares()[c]);
-                EXPECT_EQ(straight.block_begin()[c], resumed.block_begin()[c]);
+                EXPECT_EQ(straight.arrays().color_sum[c], resumed.arrays().color_sum[c]);
+                EXPECT_EQ(straight.arrays().color_sum_squares[c], resumed.arrays().color_sum_squares[c]);
+                EXPECT_EQ(straight.arrays().block_sum_squares[c], resumed.arrays().block_sum_squares[c]);
+                EXPECT_EQ(straight.arrays().block_begin[c], resumed.arrays().block_begin[c]);
             }
         }
     }

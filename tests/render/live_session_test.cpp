@@ -55,7 +55,7 @@ bool same_film(const Session& a, const Session& b)
         return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.bytes()) == 0;
     };
     return a.film().samples() == b.film().samples() && same(a.film().color_sum(), b.film().color_sum()) &&
-           same(a.film().color_sum_squares(), b.film().color_sum_squares());
+           same(a.film().arrays().color_sum_squares, b.film().arrays().color_sum_squares);
 }
 
 TEST(SessionStages, LightingChangesRedoOnlyTheProduct)

@@ -38,13 +38,14 @@ bool same_bits(const AlignedArray<T>& a, const AlignedArray<T>& b)
 {
     if (a.samples() != b.samples())
         return ::testing::AssertionFailure() << a.samples() << " and " << b.samples() << " samples";
-    if (!same_bits(a.color_sum(), b.color_sum()))
+    if (!same_bits(a.arrays().color_sum, b.arrays().color_sum))
         return ::testing::AssertionFailure() << "colours differ";
-    if (!same_bits(a.color_sum_squares(), b.color_sum_squares()))
+    if (!same_bits(a.arrays().color_sum_squares, b.arrays().color_sum_squares))
         return ::testing::AssertionFailure() << "squares differ";
-    if (!same_bits(a.block_sum_squares(), b.block_sum_squares()) || !same_bits(a.block_begin(), b.block_begin()))
+    if (!same_bits(a.arrays().block_sum_squares, b.arrays().block_sum_squares) ||
+        !same_bits(a.arrays().block_begin, b.arrays().block_begin))
         return ::testing::AssertionFailure() << "blocks differ";
-    if (!same_bits(a.features(), b.features()))
+    if (!same_bits(a.arrays().features, b.arrays().features))
         return ::testing::AssertionFailure() << "features differ";
     return ::testing::AssertionSuccess();
 }
@@ -137,13 +138,14 @@ TEST(Repeatability, RestoredFilmGoesOnAsIfNothingHappened)
     const auto straight = test::rendered(input, 37); // two blocks and some
     const auto first = test::rendered(input, 21);
     Film saved(input.image.width, input.image.height);
-    std::copy(first->film().color_sum().begin(), first->film().color_sum().end(), saved.color_sum().begin());
-    std::copy(first->film().color_sum_squares().begin(), first->film().color_sum_squares().end(),
-              saved.color_sum_squares().begin());
-    std::copy(first->film().block_sum_squares().begin(), first->film().block_sum_squares().end(),
-              saved.block_sum_squares().begin());
-    std::copy(first->film().block_begin().begin(), first->film().block_begin().end(), saved.block_begin().begin());
-    std::copy(first->film().features().begin(), first->film().features().end(), saved.features().begin());
+    std::copy(first->film().color_sum().begin(), first->film().color_sum().end(), saved.arrays().color_sum.begin());
+    std::copy(first->film().arrays().color_sum_squares.begin(), first->film().arrays().color_sum_squares.end(),
+              saved.arrays().color_sum_squares.begin());
+    std::copy(first->film().arrays().block_sum_squares.begin(), first->film().arrays().block_sum_squares.end(),
+              saved.arrays().block_sum_squares.begin());
+    std::copy(first->film().arrays().block_begin.begin(), first->film().arrays().block_begin.end(),
+              saved.arrays().block_begin.begin());
+    std::copy(first->film().features().begin(), first->film().features().end(), saved.arrays().features.begin());
     saved.set_samples(21);
     Session resumed(input, make_cpu_backend());
     resumed.restore_film(std::move(saved));

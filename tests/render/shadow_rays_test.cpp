@@ -44,7 +44,7 @@ test::Estimate over_pixels(const Film& film, Value&& value)
 
 test::Estimate feature(const Film& film, std::size_t which)
 {
-    return over_pixels(film, [&](std::size_t p) { return film.features()[Film::feature_count * p + which]; });
+    return over_pixels(film, [&](std::size_t p) { return film.features()[feature_count * p + which]; });
 }
 
 // A box, 6 deep, straight ahead, with its environment behind it.
@@ -146,7 +146,7 @@ TEST(ShadowRays, OpaqueBoxesHaveThemAll)
 }
 
 constexpr int side = 32, block = 16, blocks = (side / block) * (side / block), batches = 24;
-constexpr std::size_t values = 3 + Film::feature_count;
+constexpr std::size_t values = 3 + feature_count;
 
 /// Colours and features of every block of the image; each batch starts from a fresh film.
 std::vector<Moments> block_means(SessionInput input, int passes, const std::string& isa = "auto")
@@ -164,8 +164,8 @@ std::vector<Moments> block_means(SessionInput input, int passes, const std::stri
             double* sum = sums.data() + (p / side / block * (side / block) + p % side / block) * values;
             for (std::size_t c = 0; c < 3; ++c)
                 sum[c] += session.film().color_sum()[3 * p + c];
-            for (std::size_t f = 0; f < Film::feature_count; ++f)
-                sum[3 + f] += session.film().features()[Film::feature_count * p + f];
+            for (std::size_t f = 0; f < feature_count; ++f)
+                sum[3 + f] += session.film().features()[feature_count * p + f];
         }
         for (std::size_t i = 0; i < sums.size(); ++i)
             result[i].add(sums[i] / (block * block * passes));

@@ -11,7 +11,7 @@ namespace {
 /// One pixel, a sample a call.
 class OnePixel {
 public:
-    OnePixel() : film(1, 1), color_(3), features_(Film::feature_count) {}
+    OnePixel() : film(1, 1), color_(3), features_(feature_count) {}
     void add(float luminance)
     {
         for (float& c : color_)
@@ -33,7 +33,7 @@ TEST(Stopping, SamplesCountWhatTheFilmHolds)
 {
     OnePixel pixel;
     pixel.add(3, 1.0F);
-    const Stopping stopping(StopSamples{5}, pixel.film);
+    Stopping stopping(StopSamples{5}, pixel.film);
     EXPECT_FALSE(stopping.met(100.0));
     EXPECT_EQ(stopping.progress(1.0).fraction, 0.0);
     pixel.add(1.0F);
@@ -47,7 +47,7 @@ TEST(Stopping, SamplesCountWhatTheFilmHolds)
 TEST(Stopping, TimeEndsBeforeAPassThatWouldEndTooLate)
 {
     OnePixel pixel;
-    const Stopping stopping(StopTime{1.0}, pixel.film);
+    Stopping stopping(StopTime{1.0}, pixel.film);
     EXPECT_FALSE(stopping.met(9.0)); // an empty film is no image
     pixel.add(1.0F);
     EXPECT_FALSE(stopping.met(0.5));
@@ -56,14 +56,14 @@ TEST(Stopping, TimeEndsBeforeAPassThatWouldEndTooLate)
     EXPECT_FALSE(stopping.met(0.66));
     EXPECT_TRUE(stopping.met(0.67));
     // A film with samples of an earlier render does one pass at least.
-    const Stopping again(StopTime{1e-6}, pixel.film);
+    Stopping again(StopTime{1e-6}, pixel.film);
     EXPECT_FALSE(again.met(0.0));
 }
 
 TEST(Stopping, NoiseIsNotBelievedEarly)
 {
     OnePixel pixel;
-    const Stopping stopping(StopNoise{0.1}, pixel.film);
+    Stopping stopping(StopNoise{0.1}, pixel.film);
     pixel.add(15, 1.0F);
     EXPECT_EQ(pixel.film.noise(), 0.0);
     EXPECT_FALSE(stopping.met(1.0));
@@ -74,10 +74,23 @@ TEST(Stopping, NoiseIsNotBelievedEarly)
     EXPECT_FALSE(Stopping(StopNoise{0.01}, pixel.film).met(1.0));
 }
 
+TEST(Stopping, NoiseIsLookedAtEverySixteenth)
+{
+    OnePixel pixel;
+    Stopping stopping(StopNoise{0.1}, pixel.film);
+    pixel.add(128, 0.0F); // of which nothing can be said yet
+    EXPECT_FALSE(stopping.met(1.0));
+    pixel.film.clear();
+    pixel.add(135, 1.0F);
+    EXPECT_FALSE(stopping.met(1.0));
+    pixel.add(1.0F);
+    EXPECT_TRUE(stopping.met(1.0));
+}
+
 TEST(Stopping, BlackImagesEnd)
 {
     OnePixel pixel;
-    const Stopping stopping(StopNoise{0.1}, pixel.film);
+    Stopping stopping(StopNoise{0.1}, pixel.film);
     pixel.add(255, 0.0F);
     EXPECT_FALSE(stopping.met(1.0));
     pixel.add(0.0F);

@@ -23,14 +23,14 @@ const Fingerprint fingerprint{{"seed", "3"}, {"camera", "0123456789abcdef"}};
 Film some_film()
 {
     Film film(3, 2);
-    for (std::size_t i = 0; i < film.color_sum().size(); ++i) {
-        film.color_sum()[i] = 0.1 * static_cast<double>(i);
-        film.color_sum_squares()[i] = 0.01 * static_cast<double>(i * i);
-        film.block_begin()[i] = 0.07 * static_cast<double>(i);
-        film.block_sum_squares()[i] = 0.03 * static_cast<double>(i);
+    for (std::size_t i = 0; i < film.arrays().color_sum.size(); ++i) {
+        film.arrays().color_sum[i] = 0.1 * static_cast<double>(i);
+        film.arrays().color_sum_squares[i] = 0.01 * static_cast<double>(i * i);
+        film.arrays().block_begin[i] = 0.07 * static_cast<double>(i);
+        film.arrays().block_sum_squares[i] = 0.03 * static_cast<double>(i);
     }
-    for (std::size_t i = 0; i < film.features().size(); ++i)
-        film.features()[i] = 1.0F / static_cast<float>(i + 1);
+    for (std::size_t i = 0; i < film.arrays().features.size(); ++i)
+        film.arrays().features[i] = 1.0F / static_cast<float>(i + 1);
     film.set_samples(11);
     return film;
 }
@@ -64,13 +64,16 @@ void expect_same(const Film& a, const Film& b)
     ASSERT_EQ(a.width(), b.width());
     ASSERT_EQ(a.height(), b.height());
     EXPECT_EQ(a.samples(), b.samples());
-    EXPECT_EQ(std::memcmp(a.color_sum().data(), b.color_sum().data(), a.color_sum().bytes()), 0);
-    EXPECT_EQ(std::memcmp(a.color_sum_squares().data(), b.color_sum_squares().data(), a.color_sum_squares().bytes()),
+    EXPECT_EQ(std::memcmp(a.arrays().color_sum.data(), b.arrays().color_sum.data(), a.arrays().color_sum.bytes()), 0);
+    EXPECT_EQ(std::memcmp(a.arrays().color_sum_squares.data(), b.arrays().color_sum_squares.data(),
+                          a.arrays().color_sum_squares.bytes()),
               0);
-    EXPECT_EQ(std::memcmp(a.block_sum_squares().data(), b.block_sum_squares().data(), a.block_sum_squares().bytes()),
+    EXPECT_EQ(std::memcmp(a.arrays().block_sum_squares.data(), b.arrays().block_sum_squares.data(),
+                          a.arrays().block_sum_squares.bytes()),
               0);
-    EXPECT_EQ(std::memcmp(a.block_begin().data(), b.block_begin().data(), a.block_begin().bytes()), 0);
-    EXPECT_EQ(std::memcmp(a.features().data(), b.features().data(), a.features().bytes()), 0);
+    EXPECT_EQ(std::memcmp(a.arrays().block_begin.data(), b.arrays().block_begin.data(), a.arrays().block_begin.bytes()),
+              0);
+    EXPECT_EQ(std::memcmp(a.arrays().features.data(), b.arrays().features.data(), a.arrays().features.bytes()), 0);
 }
 
 TEST_F(Checkpoint, ComesBackToTheBit)
@@ -114,7 +117,7 @@ TEST_F(Checkpoint, WriterLeavesTheNewestFilm)
         CheckpointWriter writer(file, fingerprint);
         for (int pass = 0; pass < 20; ++pass) {
             film.set_samples(film.samples() + 1);
-            film.color_sum()[0] += 1.0;
+            film.arrays().color_sum[0] += 1.0;
             writer.offer(film);
         }
         writer.finish(film);

@@ -103,7 +103,7 @@ inline Estimate overall_alpha(const Film& film)
     double sum = 0.0;
     const auto pixels = static_cast<std::size_t>(film.width()) * static_cast<std::size_t>(film.height());
     for (std::size_t p = 0; p < pixels; ++p)
-        sum += film.features()[Film::feature_count * p + 7];
+        sum += film.features()[feature_count * p + 7];
     const double n = static_cast<double>(pixels) * static_cast<double>(film.samples());
     return {sum / n, std::sqrt(std::max(sum / n * (1.0 - sum / n), 0.0) / n)};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/light/environment.h"
@@ -34,55 +35,64 @@ std::uint64_t Film::bytes_needed(int width, int height)
     return pixels_of(width, height) * (film + samples);
 }
 
-Film::Film(int width, int height)
-    : width_(width), height_(height), color_sum_(pixels_of(width, height) * 3),
-      color_sum_squares_(pixels_of(width, height) * 3), block_sum_squares_(pixels_of(width, height) * 3),
-      block_begin_(pixels_of(width, height) * 3), features_(pixels_of(width, height) * feature_count)
+Film::Film(int width, int height) : width_(width), height_(height)
 {
+    const std::size_t pixels = pixels_of(width, height);
+    for (AlignedArray<double>* sums :
+         {&arrays_.color_sum, &arrays_.color_sum_squares, &arrays_.block_sum_squares, &arrays_.block_begin})
+        *sums = AlignedArray<double>(3 * pixels);
+    arrays_.features = AlignedArray<float>(pixels * feature_count);
 }
 
 void Film::clear()
 {
     samples_ = 0;
-    std::fill(color_sum_.begin(), color_sum_.end(), 0.0);
-    std::fill(color_sum_squares_.begin(), color_sum_squares_.end(), 0.0);
-    std::fill(block_sum_squares_.begin(), block_sum_squares_.end(), 0.0);
-    std::fill(block_begin_.begin(), block_begin_.end(), 0.0);
-    std::fill(features_.begin(), features_.end(), 0.0F);
+    late_ = nullptr;
+    for (AlignedArray<double>* sums :
+         {&arrays_.color_sum, &arrays_.color_sum_squares, &arrays_.block_sum_squares, &arrays_.block_begin})
+        std::fill(sums->begin(), sums->end(), 0.0);
+    std::fill(arrays_.features.begin(), arrays_.features.end(), 0.0F);
 }
 
 void Film::add(const SampleView& samples)
 {
+    const FilmSums sums = arrays().sums();
     const std::int64_t after = samples_ + 1;
-    const bool ends_block = after % samples_a_block == 0;
+    const BlockEnd block_end = after % samples_a_block == 0 ? BlockEnd::yes : BlockEnd::no;
     const std::size_t row = static_cast<std::size_t>(width_);
     parallel_for(0, height_, [&](int y) {
         const std::size_t first = static_cast<std::size_t>(y) * row;
         for (std::size_t i = first * 3; i < (first + row) * 3; ++i) {
-            const double c = samples.color[i];
-            color_sum_[i] += c;
-            color_sum_squares_[i] += c * c;
+            add_color(sums, i, samples.color[i], block_end);
             samples.color[i] = 0.0F;
-            if (!ends_block)
-                continue;
-            const double block = color_sum_[i] - block_begin_[i];
-            block_sum_squares_[i] += block * block;
-            block_begin_[i] = color_sum_[i];
         }
         for (std::size_t i = first * feature_count; i < (first + row) * feature_count; ++i) {
-            features_[i] += samples.features[i];
+            sums.features[i] += samples.features[i];
             samples.features[i] = 0.0F;
         }
     });
     samples_ = after;
 }
 
+void Film::grown(std::int64_t samples, FilmSource& source)
+{
+    samples_ = samples;
+    late_ = &source;
+}
+
+void Film::fetch() const
+{
+    if (FilmSource* source = std::exchange(late_, nullptr))
+        source->fetch(arrays_);
+}
+
 double Film::variance_of_mean(std::size_t i) const
 {
+    const FilmArrays& a = arrays();
     const auto n = static_cast<double>(samples_);
     if (draws_ == Draws::stratified && samples_ >= enough_blocks * samples_a_block)
         return unbiased_variance_of_mean(i);
-    return variance_of_part(color_sum_[i], color_sum_squares_[i], n) / n;
+    return variance_of_part(a.color_sum[i], a.color_sum_squares[i], n) / n;
 }
 
 double Film::unbiased_variance_of_mean(std::size_t i) const
@@ -91,7 +101,8 @@ double Film::unbiased_variance_of_mean(std::size_t i) const
     if (draws_ == Draws::independent || blocks < 2)
         return variance_of_mean(i);
     // All samples make the mean, those of the block under way as well.
-    return variance_of_part(block_begin_[i], block_sum_squares_[i], static_cast<double>(blocks)) /
+    const FilmArrays& a = arrays();
+    return variance_of_part(a.block_begin[i], a.block_sum_squares[i], static_cast<double>(blocks)) /
            static_cast<double>(samples_a_block) / static_cast<double>(samples_);
 }
 
@@ -100,9 +111,10 @@ double Film::noise() const
     if (samples_ < 2)
         return std::numeric_limits<double>::infinity();
     const double n = static_cast<double>(samples_);
+    const AlignedArray<double>& sums = color_sum();
     double variance = 0.0, mean = 0.0;
-    for (std::size_t i = 0; i < color_sum_.size(); i += 3) {
-        const double* s = color_sum_.data() + i;
+    for (std::size_t i = 0; i < sums.size(); i += 3) {
+        const double* s = sums.data() + i;
         // Channels of a sample are almost perfectly correlated, so standard deviations add, weighted by luminance.
         const double deviation =
             luminance(std::sqrt(unbiased_variance_of_mean(i)), std::sqrt(unbiased_variance_of_mean(i + 1)),
@@ -110,12 +122,14 @@ double Film::noise() const
         variance += deviation * deviation;
         mean += luminance(s[0], s[1], s[2]) / n;
     }
-    const double pixels = static_cast<double>(color_sum_.size() / 3);
+    const double pixels = static_cast<double>(sums.size() / 3);
     return mean > 0.0 ? std::sqrt(variance / pixels) / (mean / pixels) : std::numeric_limits<double>::infinity();
 }
 
 Image Film::to_image() const
 {
+    const AlignedArray<double>& sums = color_sum();
+    const AlignedArray<float>& all_features = features();
     Image image;
     image.width = width_;
     image.height = height_;
@@ -128,13 +142,13 @@ Image Film::to_image() const
         image.channels.push_back(std::move(c));
     };
     const auto color = [&](const char* name, std::size_t i) {
-        channel(name, [&](std::size_t p) { return color_sum_[3 * p + i] / n; });
+        channel(name, [&](std::size_t p) { return sums[3 * p + i] / n; });
     };
     const auto variance = [&](const char* name, std::size_t i) {
         channel(name, [&](std::size_t p) { return samples_ < 2 ? 0.0 : variance_of_mean(3 * p + i); });
     };
     const auto feature = [&](const char* name, std::size_t i) {
-        channel(name, [&](std::size_t p) { return features_[feature_count * p + i] / n; });
+        channel(name, [&](std::size_t p) { return all_features[feature_count * p + i] / n; });
     };
     color("R", 0), color("G", 1), color("B", 2);
     feature("A", 7);
@@ -143,7 +157,7 @@ Image Film::to_image() const
     feature("normal.X", 3), feature("normal.Y", 4), feature("normal.Z", 5);
     // The mean over the samples that met the volume; 0 where none did.
     channel("depth.Z", [&](std::size_t p) {
-        const float* f = features_.data() + feature_count * p;
+        const float* f = all_features.data() + feature_count * p;
         return f[7] > 0.0F ? f[6] / f[7] : 0.0F;
     });
     return image;

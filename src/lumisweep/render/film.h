@@ -5,18 +5,39 @@
 
 #include "lumisweep/base/aligned.h"
 #include "lumisweep/image/image.h"
+#include "lumisweep/render/film_sums.h"
 #include "lumisweep/render/pass.h"
 
 namespace lumisweep {
 
+/// The arrays that FilmSums points to.
+struct FilmArrays {
+    AlignedArray<double> color_sum, color_sum_squares, block_sum_squares, block_begin;
+    AlignedArray<float> features;
+
+    FilmSums sums()
+    {
+        return {color_sum.data(), color_sum_squares.data(), block_sum_squares.data(), block_begin.data(),
+                features.data()};
+    }
+};
+
+/// Where the sums are that a film has not got yet: on a device that adds samples by itself.
+class FilmSource {
+public:
+    FilmSource() = default;
+    FilmSource(const FilmSource&) = delete;
+    FilmSource& operator=(const FilmSource&) = delete;
+    virtual ~FilmSource() = default;
+
+    /// Waits for all passes that were begun, and copies their sums.
+    virtual void fetch(FilmArrays& arrays) = 0;
+};
+
 /// Sums over samples, whole passes at a time. Stratified samples are independent between blocks only (samples_a_block),
-/// so their variance comes from the blocks' sums. Memory: color_sum, color_sum_squares (of samples), block_sum_squares
-/// (of whole blocks' sums) and block_begin (what color_sum was when the block under way began) [pixels][3] double;
-/// features [pixels][8] float: albedo r g b, normal x y z (world), depth, and the part of the sample that met the
-/// volume.
+/// so their variance comes from the blocks' sums. Memory: as FilmSums says.
 class Film {
 public:
-    static constexpr int feature_count = 8;
     /// The film itself and one pass's samples.
     static std::uint64_t bytes_needed(int width, int height);
 
@@ -35,17 +56,23 @@ public:
     /// Adds one sample of every pixel and sets `samples` back to zeros for the next pass.
     void add(const SampleView& samples);
 
+    /// `samples` samples a pixel are now in the sums of `source`, which are fetched when they are asked for. It must
+    /// live until then.
+    void grown(std::int64_t samples, FilmSource& source);
+
     /// The sums, for checkpoints: written and read back whole.
-    AlignedArray<double>& color_sum() { return color_sum_; }
-    const AlignedArray<double>& color_sum() const { return color_sum_; }
-    AlignedArray<double>& color_sum_squares() { return color_sum_squares_; }
-    const AlignedArray<double>& color_sum_squares() const { return color_sum_squares_; }
-    AlignedArray<double>& block_sum_squares() { return block_sum_squares_; }
-    const AlignedArray<double>& block_sum_squares() const { return block_sum_squares_; }
-    AlignedArray<double>& block_begin() { return block_begin_; }
-    const AlignedArray<double>& block_begin() const { return block_begin_; }
-    AlignedArray<float>& features() { return features_; }
-    const AlignedArray<float>& features() const { return features_; }
+    FilmArrays& arrays()
+    {
+        fetch();
+        return arrays_;
+    }
+    const FilmArrays& arrays() const
+    {
+        fetch();
+        return arrays_;
+    }
+    const AlignedArray<double>& color_sum() const { return arrays().color_sum; }
+    const AlignedArray<float>& features() const { return arrays().features; }
 
     /// Estimated relative error of the image: √(mean over pixels of the luminance variance of the pixel's mean) / mean
     /// luminance. +infinity below two samples or for a black image whose variance is unknown.
@@ -62,11 +89,13 @@ public:
     double unbiased_variance_of_mean(std::size_t i) const;
 
 private:
+    void fetch() const;
+
     int width_ = 0, height_ = 0;
     std::int64_t samples_ = 0;
-    AlignedArray<double> color_sum_, color_sum_squares_, block_sum_squares_, block_begin_;
     Draws draws_ = Draws::independent;
-    AlignedArray<float> features_;
+    mutable FilmArrays arrays_;
+    mutable FilmSource* late_ = nullptr; // has the sums
 };
 
 } // namespace lumisweep

@@ -4,7 +4,6 @@
 #include <thread>
 
 #include "lumisweep/base/error.h"
-#include "lumisweep/base/stopwatch.h"
 #include "lumisweep/render/backend.h"
 #include "lumisweep/render/session_limits.h"
 #include "lumisweep/render/session_state.h"
@@ -13,9 +12,12 @@ namespace lumisweep {
 
 Session::Session(SessionInput input, std::shared_ptr<Backend> backend) : state_(std::make_unique<State>())
 {
-    validate_with_memory(input, state_->mode, state_->background_threads, 0);
-    state_->input = std::move(input);
     state_->backend = std::move(backend);
+    state_->host = dynamic_cast<HostBackend*>(state_->backend.get());
+    if (auto* on_device = dynamic_cast<DeviceBackend*>(state_->backend.get()))
+        state_->device = on_device->make_scene();
+    state_->validate(input, state_->mode, state_->background_threads);
+    state_->input = std::move(input);
     state_->use_environment();
     state_->resize_film();
     state_->stats.volume_bytes = state_->input.volume->bytes();
@@ -27,12 +29,19 @@ void Session::set_volume(std::shared_ptr<const ScalarGrid> volume)
 {
     SessionInput changed = state_->input;
     changed.volume = std::move(volume);
-    validate_with_memory(changed, state_->mode, state_->background_threads, state_->grid_bytes());
+    state_->validate(changed, state_->mode, state_->background_threads);
     state_->input = std::move(changed);
     state_->stats.volume_bytes = state_->input.volume->bytes();
     state_->drop_sweep();
     state_->stale_bounds = state_->stale_majorants = state_->stale_joint = true;
     state_->restart_film();
+}
+
+void Session::prefetch(std::shared_ptr<const ScalarGrid> volume)
+{
+    require(volume != nullptr, "volume: is missing");
+    if (state_->device)
+        state_->device->prefetch(std::move(volume));
 }
 
 void Session::set_transfer_function(TransferFunction transfer_function)
@@ -65,7 +74,7 @@ void Session::set_image(const ImageSettings& image)
 {
     SessionInput changed = state_->input;
     changed.image = image;
-    validate_with_memory(changed, state_->mode, state_->background_threads, state_->grid_bytes());
+    state_->validate(changed, state_->mode, state_->background_threads);
     state_->input.image = image;
     state_->resize_film();
 }
@@ -87,7 +96,7 @@ void Session::set_visibility(const VisibilitySettings& visibility)
     if (with_old_epsilon != state_->input.visibility) {
         SessionInput changed = state_->input;
         changed.visibility = visibility;
-        validate_with_memory(changed, state_->mode, state_->background_threads, state_->grid_bytes());
+        state_->validate(changed, state_->mode, state_->background_threads);
         state_->drop_sweep();
     }
     state_->input.visibility = visibility;
@@ -105,7 +114,7 @@ void Session::set_sweep_mode(SweepMode mode, int background_threads)
                                                : std::max(static_cast<int>(std::thread::hardware_concurrency()) / 2, 1);
     if (mode == state_->mode && threads == state_->background_threads)
         return;
-    validate_with_memory(state_->input, mode, threads, state_->grid_bytes());
+    state_->validate(state_->input, mode, threads);
     if (state_->sweeping)
         state_->drop_sweep();
     state_->mode = mode;
@@ -132,7 +141,7 @@ bool Session::prepare(const std::atomic<bool>* cancel)
     s.update_majorants();
     if (!s.needs_joint())
         return true;
-    if (s.stale_visibility && s.mode == SweepMode::before_pass) {
+    if (s.stale_visibility && s.waits_for_sweeps()) {
         if (!s.sweep_now(cancel))
             return false;
     } else if (s.stale_visibility) {
@@ -147,7 +156,7 @@ bool Session::prepare(const std::atomic<bool>* cancel)
 PassEnd Session::render_pass(const std::atomic<bool>* cancel)
 {
     State& s = *state_;
-    if (s.mode == SweepMode::before_pass) {
+    if (s.waits_for_sweeps()) {
         if (!prepare(cancel))
             return PassEnd::cancelled;
     } else {
@@ -161,27 +170,7 @@ PassEnd Session::render_pass(const std::atomic<bool>* cancel)
     }
     if (cancel != nullptr && cancel->load())
         return PassEnd::cancelled;
-    const Stopwatch watch(s.stats.render_s), since_build(s.since_build_s);
-    const SampleView samples{s.sample_color.data(), s.sample_features.data()};
-    PassCounts counts;
-    const auto discard = [&] {
-        std::fill(s.sample_color.begin(), s.sample_color.end(), 0.0F);
-        std::fill(s.sample_features.begin(), s.sample_features.end(), 0.0F);
-    };
-    PassEnd end = PassEnd::cancelled;
-    try {
-        end = s.backend->render_pass(s.view(), samples, s.film.samples(), cancel, counts);
-    } catch (...) {
-        discard();
-        throw;
-    }
-    if (end == PassEnd::cancelled) {
-        discard();
-        return end;
-    }
-    s.film.add(samples);
-    s.stats.counts += counts;
-    return end;
+    return s.render_pass(cancel);
 }
 
 const Film& Session::film() const { return state_->film; }
@@ -192,18 +181,27 @@ void Session::restore_film(Film film)
             "checkpoint: its image is {} × {}, not {} × {}", film.width(), film.height(), state_->input.image.width,
             state_->input.image.height);
     film.set_draws(state_->film.draws());
+    if (state_->device)
+        state_->device->restore_film(film);
     state_->film = std::move(film);
 }
 
 const VisibilityGrid& Session::visibility() const
 {
     static const VisibilityGrid none;
+    if (state_->device)
+        return state_->device->visibility();
     return state_->visibility ? state_->visibility->last_read() : none;
 }
 
 bool Session::sweeping() const { return state_->sweeping; }
 const SessionInput& Session::input() const { return state_->input; }
-const SessionStats& Session::stats() const { return state_->stats; }
+const SessionStats& Session::stats() const
+{
+    if (state_->device)
+        state_->stats.counts = state_->device->counts();
+    return state_->stats;
+}
 const Backend& Session::backend() const { return *state_->backend; }
 
 } // namespace lumisweep

@@ -48,7 +48,8 @@ struct SessionInput {
 enum class SweepMode {
     /// The next pass waits for them. Images are the same to the bit, whatever the threads.
     before_pass,
-    /// Passes go on at once, with the visibility that is there (all visible at first), while a thread beside them
+    /// On a device the same as before_pass. Passes go on at once, with the visibility that is there (all visible at
+    /// first), while a thread beside them
     /// classifies and sweeps; every few passes take up the directions that have been published. An edit cancels the
     /// sweep that runs. Single images depend on the timing, within their noise.
     in_background,
@@ -56,7 +57,7 @@ enum class SweepMode {
 
 class Session {
 public:
-    /// `backend` from make_cpu_backend() (backends/cpu/cpu_backend.h). Throws Error for invalid input, and when the
+    /// `backend` from make_backend() (backends/make_backend.h). Throws Error for invalid input, and when the
     /// memory that rendering will need is not there.
     Session(SessionInput input, std::shared_ptr<Backend> backend);
     ~Session();
@@ -64,6 +65,8 @@ public:
     Session& operator=(const Session&) = delete;
 
     void set_volume(std::shared_ptr<const ScalarGrid> volume); ///< e.g. the next frame of a time series
+    /// The volume that set_volume() will be called with next: a device begins to copy it while passes go on.
+    void prefetch(std::shared_ptr<const ScalarGrid> volume);
     void set_transfer_function(TransferFunction transfer_function);
     void set_environment(std::shared_ptr<const Environment> environment);
     void set_camera(const Camera& camera);
@@ -83,7 +86,8 @@ public:
     /// do it by themselves before they begin (before_pass), or bit by bit. When *cancel becomes true it returns early.
     /// False when *cancel became true before all was done.
     bool prepare(const std::atomic<bool>* cancel = nullptr);
-    /// Adds one sample to every pixel. Returns cancelled, with the film as it was before, when *cancel became true.
+    /// Adds one sample to every pixel. Returns cancelled, with the film as it was before, when *cancel became true. On
+    /// a device passes are begun here and run on; looking at the film's sums, or beginning many more, waits for them.
     PassEnd render_pass(const std::atomic<bool>* cancel = nullptr);
 
     const Film& film() const;

@@ -33,6 +33,14 @@ void validate(const SessionInput& input)
     JointGrid::require_indexable(cells, input.visibility.directions);
 }
 
+/// The film and the image that is written.
+std::uint64_t image_bytes(const ImageSettings& image)
+{
+    constexpr std::uint64_t layers = 14;
+    return Film::bytes_needed(image.width, image.height) +
+           static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height) * layers * sizeof(float);
+}
+
 } // namespace
 
 /// Distances along a ray are kept in single precision: across the volume's diagonal a rounding is 1e-7 of it. Free
@@ -67,13 +75,16 @@ void validate_with_memory(const SessionInput& input, SweepMode mode, int backgro
                    "a larger visibility.cell, fewer visibility.directions or a smaller image need less");
 }
 
+void validate_with_device(const SessionInput& input)
+{
+    validate(input);
+    require_memory(image_bytes(input.image), "rendering this scene", "a smaller image needs less");
+}
+
 std::uint64_t Session::memory_needed(const Vec3i& volume_size, const ImageSettings& image, Strategy strategy,
                                      const VisibilitySettings& visibility, SweepMode mode, int background_threads)
 {
-    constexpr std::uint64_t layers = 14; // of the image that is written
-    std::uint64_t bytes = Film::bytes_needed(image.width, image.height);
-    bytes +=
-        static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height) * layers * sizeof(float);
+    std::uint64_t bytes = image_bytes(image);
     bytes += BoundsGrid::bytes_needed(volume_size) + MajorantGrid::bytes_needed(volume_size);
     if (strategy == Strategy::uniform || strategy == Strategy::environment)
         return bytes;

@@ -12,4 +12,7 @@ void validate_extinction(const ScalarGrid& volume, const TransferFunction& trans
 /// session already `holds` for the same ends.
 void validate_with_memory(const SessionInput& input, SweepMode mode, int background_threads, std::uint64_t holds);
 
+/// Likewise where a device has all but the film.
+void validate_with_device(const SessionInput& input);
+
 } // namespace lumisweep

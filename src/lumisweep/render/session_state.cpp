@@ -6,7 +6,9 @@
 
 #include "lumisweep/base/memory.h"
 #include "lumisweep/base/stopwatch.h"
+#include "lumisweep/render/backend.h"
 #include "lumisweep/render/camera.h"
+#include "lumisweep/render/session_limits.h"
 #include "lumisweep/visibility/sweep_memory.h"
 
 namespace lumisweep {
@@ -32,9 +34,24 @@ bool Session::State::needs_joint() const
 
 std::uint64_t Session::State::grid_bytes() const { return joint.bytes() + stats.visibility_bytes; }
 
+void Session::State::validate(const SessionInput& changed, SweepMode sweep_mode, int sweep_threads) const
+{
+    if (device) {
+        validate_with_device(changed);
+        device->require_memory(changed);
+        return;
+    }
+    validate_with_memory(changed, sweep_mode, sweep_threads, grid_bytes());
+}
+
 void Session::State::restart_film()
 {
-    film.clear();
+    if (device) {
+        device->clear_film(film.width(), film.height());
+        film.grown(0, *device);
+    } else {
+        film.clear();
+    }
     const bool stratified = input.render.resolved().random_numbers == RandomNumbers::stratified;
     film.set_draws(stratified ? Draws::stratified : Draws::independent);
 }
@@ -44,11 +61,13 @@ void Session::State::resize_film()
     if (film.width() != input.image.width || film.height() != input.image.height)
         film = Film(input.image.width, input.image.height);
     restart_film();
+    stats.film_bytes = Film::bytes_needed(input.image.width, input.image.height);
+    if (device)
+        return;
     const std::size_t pixels =
         static_cast<std::size_t>(input.image.width) * static_cast<std::size_t>(input.image.height);
     sample_color = AlignedArray<float>(pixels * 3);
-    sample_features = AlignedArray<float>(pixels * Film::feature_count);
-    stats.film_bytes = Film::bytes_needed(input.image.width, input.image.height);
+    sample_features = AlignedArray<float>(pixels * feature_count);
 }
 
 void Session::State::use_environment()
@@ -57,6 +76,8 @@ void Session::State::use_environment()
     if (light->resolution() < input.visibility.directions)
         light = std::make_shared<Environment>(light->refined(input.visibility.directions));
     stats.environment_bytes = light->bytes();
+    if (device)
+        device->set_environment(light);
 }
 
 SceneView Session::State::view() const
@@ -86,14 +107,23 @@ void Session::State::update_majorants()
 {
     if (stale_bounds) {
         const Stopwatch watch(stats.bounds_s);
-        bounds = BoundsGrid(*input.volume);
-        raw_range = lumisweep::raw_range(*input.volume);
+        if (device) {
+            device->set_volume(input.volume);
+        } else {
+            bounds = BoundsGrid(*input.volume);
+            raw_range = lumisweep::raw_range(*input.volume);
+        }
         stale_bounds = false;
     }
     if (stale_majorants) {
         const Stopwatch watch(stats.majorants_s);
-        majorants = MajorantGrid(bounds, input.transfer_function);
-        stats.majorant_bytes = majorants.bytes() + bounds.bytes();
+        if (device) {
+            device->set_transfer_function(input.transfer_function);
+            update_device_stats();
+        } else {
+            majorants = MajorantGrid(bounds, input.transfer_function);
+            stats.majorant_bytes = majorants.bytes() + bounds.bytes();
+        }
         stale_majorants = false;
     }
 }
@@ -113,6 +143,11 @@ void Session::State::fit_visibility()
 
 void Session::State::use_visibility(VisibilityGrid grid)
 {
+    if (device) {
+        device->set_visibility(std::move(grid));
+        stale_joint = true;
+        return;
+    }
     background.stop();
     const int spare = LiveVisibility::spare_slots(grid.directions_per_side(), background_threads);
     visibility = std::make_unique<LiveVisibility>(std::move(grid), spare);
@@ -136,6 +171,14 @@ bool Session::State::sweep_now(const std::atomic<bool>* cancel)
     drop_sweep();
     background.stop();
     const VisibilitySettings& settings = input.visibility;
+    if (device) {
+        ++stats.classifications;
+        ++stats.sweeps;
+        stale_visibility = !device->sweep(settings, cancel, stats);
+        stale_joint = true;
+        update_device_stats();
+        return !stale_visibility;
+    }
     const Vec3i& size = input.volume->size();
     // A joint grid that stays is rebuilt in place, which saves its allocation; where memory is short, sweeps need it.
     const std::uint64_t sweep_needs =
@@ -167,7 +210,7 @@ bool Session::State::sweep_now(const std::atomic<bool>* cancel)
 
 void Session::State::sweep_in_background()
 {
-    if (sweeping || sweep_failed || !stale_visibility || mode != SweepMode::in_background || !needs_joint())
+    if (device || sweeping || sweep_failed || !stale_visibility || mode != SweepMode::in_background || !needs_joint())
         return;
     if (stale_bounds)
         return; // the next pass takes them first
@@ -195,14 +238,24 @@ void Session::State::drop_sweep()
 
 bool Session::State::update_joint(const std::atomic<bool>* cancel)
 {
+    const JointFactor factor =
+        strategy() == Strategy::visibility ? JointFactor::visibility_only : JointFactor::visibility_times_light;
+    if (device) {
+        if (!stale_joint)
+            return true;
+        const Stopwatch watch(stats.joint_s);
+        device->build_joint(factor, input.visibility.epsilon);
+        ++stats.joint_builds;
+        stale_joint = false;
+        update_device_stats();
+        return true;
+    }
     const bool ended = sweeping && !background.busy(); // looked at before what is published
     const std::uint64_t published = visibility->published();
     if (stale_joint || (published != published_in_joint && (ended || since_build_s >= 3.0 * joint_build_s))) {
         joint_build_s = since_build_s = 0.0;
         {
             const Stopwatch watch(joint_build_s);
-            const JointFactor factor =
-                strategy() == Strategy::visibility ? JointFactor::visibility_only : JointFactor::visibility_times_light;
             stale_joint = true; // unless all goes well
             visibility->read([&](const VisibilityGrid& grid) {
                 stale_joint =
@@ -225,6 +278,49 @@ bool Session::State::update_joint(const std::atomic<bool>* cancel)
     stats.last_sweep = sweeping_stats->sweep;
     stats.visibility_bytes = visibility->bytes();
     return true;
+}
+
+PassEnd Session::State::render_pass(const std::atomic<bool>* cancel)
+{
+    const Stopwatch watch(stats.render_s), since_build(since_build_s);
+    if (!device)
+        return render_on_host(cancel);
+    const PassEnd end = device->render_pass(view(), film.samples(), cancel);
+    if (end == PassEnd::complete)
+        film.grown(film.samples() + 1, *device);
+    return end;
+}
+
+PassEnd Session::State::render_on_host(const std::atomic<bool>* cancel)
+{
+    const SampleView samples{sample_color.data(), sample_features.data()};
+    PassCounts counts;
+    const auto discard = [&] {
+        std::fill(sample_color.begin(), sample_color.end(), 0.0F);
+        std::fill(sample_features.begin(), sample_features.end(), 0.0F);
+    };
+    PassEnd end = PassEnd::cancelled;
+    try {
+        end = host->render_pass(view(), samples, film.samples(), cancel, counts);
+    } catch (...) {
+        discard();
+        throw;
+    }
+    if (end == PassEnd::cancelled) {
+        discard();
+        return end;
+    }
+    film.add(samples);
+    stats.counts += counts;
+    return end;
+}
+
+void Session::State::update_device_stats()
+{
+    const DeviceScene::Bytes bytes = device->bytes();
+    stats.visibility_bytes = bytes.visibility;
+    stats.joint_bytes = bytes.joint;
+    stats.majorant_bytes = bytes.majorants;
 }
 
 } // namespace lumisweep

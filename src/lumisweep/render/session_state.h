@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <memory>
 
+#include "lumisweep/render/backend.h"
 #include "lumisweep/render/background_task.h"
+#include "lumisweep/render/device_scene.h"
 #include "lumisweep/render/scene_view.h"
 #include "lumisweep/render/session.h"
 #include "lumisweep/sampling/joint_grid.h"
@@ -18,6 +20,8 @@ namespace lumisweep {
 struct Session::State {
     SessionInput input;
     std::shared_ptr<Backend> backend;
+    HostBackend* host = nullptr;         // the backend, or null where a device has the scene:
+    std::unique_ptr<DeviceScene> device; // bounds to sample_features are not used then, nor is the background
     SessionStats stats;
 
     BoundsGrid bounds;
@@ -45,8 +49,13 @@ struct Session::State {
     Strategy strategy() const;
     bool needs_joint() const;
 
+    /// Whether passes wait for sweeps. On a device they take milliseconds and always do.
+    bool waits_for_sweeps() const { return device != nullptr || mode == SweepMode::before_pass; }
+
     /// Of the visibility and the joint grid.
     std::uint64_t grid_bytes() const;
+    /// Checks the input and that the host's memory is enough for it.
+    void validate(const SessionInput& changed, SweepMode sweep_mode, int sweep_threads) const;
 
     void resize_film();
     /// Empties the film.
@@ -70,9 +79,12 @@ struct Session::State {
     void use_visibility(VisibilityGrid grid);
     /// Throws what the background sweep has thrown, once.
     void rethrow();
+    PassEnd render_pass(const std::atomic<bool>* cancel);
 
 private:
     void fit_visibility();
+    PassEnd render_on_host(const std::atomic<bool>* cancel);
+    void update_device_stats();
 };
 
 } // namespace lumisweep

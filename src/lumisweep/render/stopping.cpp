@@ -12,7 +12,7 @@ constexpr std::int64_t max_samples_of_black = 256;
 
 } // namespace
 
-bool Stopping::met(double elapsed_s) const
+bool Stopping::met(double elapsed_s)
 {
     if (film_.samples() == 0)
         return false;
@@ -20,8 +20,10 @@ bool Stopping::met(double elapsed_s) const
         return film_.samples() >= samples->samples;
     if (const auto* time = std::get_if<StopTime>(&stop_))
         return passes() > 0 && elapsed_s + elapsed_s / static_cast<double>(passes()) > time->seconds;
-    if (film_.samples() < min_samples_for_noise)
+    const bool due = film_.samples() >= next_look_ || film_.samples() == max_samples_of_black;
+    if (film_.samples() < min_samples_for_noise || !due)
         return false;
+    next_look_ = film_.samples() + film_.samples() / 16;
     return black() || film_.noise() <= std::get<StopNoise>(stop_).relative_error;
 }
 

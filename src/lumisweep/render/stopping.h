@@ -30,14 +30,16 @@ struct RenderProgress {
 
 /// Judges a film that grows by whole passes. Samples: until the film has that many. Time: ends before a pass that would
 /// end too late, by the mean duration so far. Noise: from 16 samples on, below which the estimate cannot be trusted; an
-/// image that stays black has no relative error and ends after 256. An empty film is never enough.
+/// image that stays black has no relative error and ends after 256. As it falls with the root of the samples and
+/// looking at it takes as long as a pass, it is looked at again whenever there are a sixteenth more of them. An empty
+/// film is never enough.
 class Stopping {
 public:
     /// `film` must outlive this; what it holds already does not count as this render's passes.
     Stopping(const StopCriterion& stop, const Film& film) : stop_(stop), film_(film), first_sample_(film.samples()) {}
 
     /// Whether to end, after `elapsed_s` seconds of passes.
-    bool met(double elapsed_s) const;
+    bool met(double elapsed_s);
     /// Ended waiting for the noise of an image that stays black.
     bool black() const;
     RenderProgress progress(double elapsed_s) const;
@@ -48,6 +50,7 @@ private:
     StopCriterion stop_;
     const Film& film_;
     std::int64_t first_sample_;
+    std::int64_t next_look_ = 0; // at the noise, in samples
 };
 
 } // namespace lumisweep

@@ -146,11 +146,11 @@ void write_checkpoint(const fs::path& file, const Film& film, const Fingerprint&
         out.write(magic.data(), magic.size());
         out.write(sizes.data(), sizeof(sizes));
         out.write(header.data(), header.size());
-        out.write(film.color_sum().data(), film.color_sum().bytes());
-        out.write(film.color_sum_squares().data(), film.color_sum_squares().bytes());
-        out.write(film.block_sum_squares().data(), film.block_sum_squares().bytes());
-        out.write(film.block_begin().data(), film.block_begin().bytes());
-        out.write(film.features().data(), film.features().bytes());
+        out.write(film.arrays().color_sum.data(), film.arrays().color_sum.bytes());
+        out.write(film.arrays().color_sum_squares.data(), film.arrays().color_sum_squares.bytes());
+        out.write(film.arrays().block_sum_squares.data(), film.arrays().block_sum_squares.bytes());
+        out.write(film.arrays().block_begin.data(), film.arrays().block_begin.bytes());
+        out.write(film.arrays().features.data(), film.arrays().features.bytes());
         const std::uint64_t hash = out.hash();
         out.write(&hash, sizeof(hash));
         out.flush_to_disk();
@@ -182,17 +182,17 @@ Film read_checkpoint(const fs::path& file, const Fingerprint& expected)
             file.string(), differing);
 
     const auto pixels = static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
-    const std::uint64_t film_bytes = pixels * (12 * sizeof(double) + Film::feature_count * sizeof(float));
+    const std::uint64_t film_bytes = pixels * (12 * sizeof(double) + feature_count * sizeof(float));
     std::error_code error;
     require(fs::file_size(file, error) == preamble_bytes + text.size() + film_bytes + sizeof(std::uint64_t),
             "{}: the checkpoint is cut short or too long (render again without --resume)", file.string());
     require_memory(film_bytes, file.string(), "render a smaller image");
     Film film(header.width, header.height);
-    in.read(film.color_sum().data(), film.color_sum().bytes());
-    in.read(film.color_sum_squares().data(), film.color_sum_squares().bytes());
-    in.read(film.block_sum_squares().data(), film.block_sum_squares().bytes());
-    in.read(film.block_begin().data(), film.block_begin().bytes());
-    in.read(film.features().data(), film.features().bytes());
+    in.read(film.arrays().color_sum.data(), film.arrays().color_sum.bytes());
+    in.read(film.arrays().color_sum_squares.data(), film.arrays().color_sum_squares.bytes());
+    in.read(film.arrays().block_sum_squares.data(), film.arrays().block_sum_squares.bytes());
+    in.read(film.arrays().block_begin.data(), film.arrays().block_begin.bytes());
+    in.read(film.arrays().features.data(), film.arrays().features.bytes());
     const std::uint64_t hash = in.hash();
     std::uint64_t stored_hash = 0;
     in.read(&stored_hash, sizeof(stored_hash));

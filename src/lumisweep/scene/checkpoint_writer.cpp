@@ -24,11 +24,13 @@ void copy_film(const Film& from, Film& to)
 {
     if (to.width() != from.width() || to.height() != from.height())
         to = Film(from.width(), from.height());
-    std::copy(from.color_sum().begin(), from.color_sum().end(), to.color_sum().begin());
-    std::copy(from.color_sum_squares().begin(), from.color_sum_squares().end(), to.color_sum_squares().begin());
-    std::copy(from.block_sum_squares().begin(), from.block_sum_squares().end(), to.block_sum_squares().begin());
-    std::copy(from.block_begin().begin(), from.block_begin().end(), to.block_begin().begin());
-    std::copy(from.features().begin(), from.features().end(), to.features().begin());
+    const FilmArrays& a = from.arrays();
+    FilmArrays& b = to.arrays();
+    std::copy(a.color_sum.begin(), a.color_sum.end(), b.color_sum.begin());
+    std::copy(a.color_sum_squares.begin(), a.color_sum_squares.end(), b.color_sum_squares.begin());
+    std::copy(a.block_sum_squares.begin(), a.block_sum_squares.end(), b.block_sum_squares.begin());
+    std::copy(a.block_begin.begin(), a.block_begin.end(), b.block_begin.begin());
+    std::copy(a.features.begin(), a.features.end(), b.features.begin());
     to.set_draws(from.draws());
     to.set_samples(from.samples());
 }

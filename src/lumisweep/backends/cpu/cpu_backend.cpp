@@ -35,7 +35,7 @@ constexpr InstructionSet instruction_sets[] = {
     {"baseline", render_tile_baseline, [] { return true; }},
 };
 
-class CpuBackend final : public Backend {
+class CpuBackend final : public HostBackend {
 public:
     explicit CpuBackend(const InstructionSet& set) : set_(set) {}
 

@@ -40,6 +40,18 @@ struct DeviceExtinction {
         straight.resize(rows(size.z, size.y) * static_cast<std::size_t>(row_pitch(size.x)), "the classified volume");
         transposed.resize(rows(size.x, size.z) * static_cast<std::size_t>(row_pitch(size.y)), "the classified volume");
     }
+    /// What resize() takes of a level of a volume.
+    static std::uint64_t bytes_needed(Vec3i volume_voxels, int level)
+    {
+        const auto side = [&](int voxels) { return (voxels + (1 << level) - 1) >> level; };
+        const auto rows = [](int a, int b, int voxels) {
+            return static_cast<std::uint64_t>(a) * static_cast<std::uint64_t>(b) *
+                   static_cast<std::uint64_t>(row_pitch(voxels));
+        };
+        const int x = side(volume_voxels.x), y = side(volume_voxels.y), z = side(volume_voxels.z);
+        return rows(z, y, x) + rows(x, z, y);
+    }
+    std::uint64_t bytes() const { return straight.bytes() + transposed.bytes(); }
     RowsView rows_along_x() const { return {straight.data(), row_pitch(size.x)}; }
     RowsView rows_along_y() const { return {transposed.data(), row_pitch(size.y)}; }
 };

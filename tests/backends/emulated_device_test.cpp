@@ -10,7 +10,7 @@
 #include "lumisweep/backends/cuda/launch.h"
 #include "lumisweep/base/error.h"
 
-namespace lumisweep::emulated_cuda {
+namespace lumisweep::LUMISWEEP_CUDA {
 namespace {
 
 /// Turns each run of 64 numbers around, through shared memory.
@@ -76,4 +76,4 @@ TEST(Words, FourBytesOfEight)
 }
 
 } // namespace
-} // namespace lumisweep::emulated_cuda
+} // namespace lumisweep::LUMISWEEP_CUDA

@@ -1,0 +1,20 @@
+// Runs the tests on the GPU; without one it says so and ends with 77, for "skipped".
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "lumisweep/backends/cuda/cuda_backend.h"
+#include "lumisweep/base/error.h"
+#include "lumisweep/render/backend.h"
+
+int main(int argc, char** argv)
+{
+    ::testing::InitGoogleTest(&argc, argv);
+    try {
+        std::printf("GPU: %s\n", lumisweep::cuda::make_cuda_backend()->isa().c_str());
+    } catch (const lumisweep::Error& error) {
+        std::printf("skipped: %s\n", error.what());
+        return 77;
+    }
+    return RUN_ALL_TESTS();
+}

@@ -37,6 +37,12 @@ if(LUMISWEEP_CUDA)
   elseif(architectures_by_default AND CUDAToolkit_VERSION VERSION_GREATER_EQUAL 12.8)
     set(CMAKE_CUDA_ARCHITECTURES 75-real 90-real 120)
   endif()
+  # CMake 3.25 does not know that nvcc has C++20.
+  if(LUMISWEEP_CUDA AND NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)
+    set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
+    set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
+  endif()
   set(CMAKE_CUDA_STANDARD 20)
-  set(CMAKE_CUDA_STANDARD_REQUIRED ON)
+  # Nothing is contracted that is not written as fma, as for the CPU.
+  add_compile_options("$<$<COMPILE_LANGUAGE:CUDA>:-fmad=false>")
 endif()

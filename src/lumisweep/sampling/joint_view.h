@@ -18,4 +18,7 @@ struct JointView {
     Vec3f cells_per_voxel{0.0F, 0.0F, 0.0F};
 };
 
+/// Nodes of a cell: 4 + 16 + … + 4^levels.
+constexpr int joint_nodes(int levels) { return ((1 << (2 * levels + 2)) - 4) / 3; }
+
 } // namespace lumisweep

@@ -1,6 +1,7 @@
 // The joint grid as kernels read it.
 #pragma once
 
+#include "lumisweep/base/host_device.h"
 #include "lumisweep/math/vec.h"
 
 namespace lumisweep {
@@ -19,6 +20,6 @@ struct JointView {
 };
 
 /// Nodes of a cell: 4 + 16 + … + 4^levels.
-constexpr int joint_nodes(int levels) { return ((1 << (2 * levels + 2)) - 4) / 3; }
+LUMISWEEP_HD constexpr int joint_nodes(int levels) { return ((1 << (2 * levels + 2)) - 4) / 3; }
 
 } // namespace lumisweep

@@ -38,7 +38,7 @@ LUMISWEEP_HD std::uint8_t dithered(std::int32_t steps, std::uint16_t random)
 /// How float voxels become steps: steps_of_one · extinction; 0 where empty_first ≤ value < empty_end (data units).
 struct FloatClassification {
     TransferFunctionView tf;
-    float steps_of_one, empty_first, empty_end;
+    float steps_of_one = 0.0F, empty_first = 0.0F, empty_end = 0.0F;
 };
 
 namespace {

@@ -55,7 +55,7 @@ void TransferFunction::build_tables()
 {
     const int k = static_cast<int>(points_.size());
     const int stride = std::max(k + 2, small_table);
-    table_.assign(static_cast<std::size_t>(9 * stride), 0.0F);
+    table_.assign(static_cast<std::size_t>(transfer_table_fields * stride), 0.0F);
     const auto set = [&](int field, int segment, double v) {
         table_[static_cast<std::size_t>(field * stride + segment)] = static_cast<float>(v);
     };
@@ -157,7 +157,7 @@ TransferFunctionView TransferFunction::view(double slope, double intercept) cons
     TransferFunctionView view;
     view.table = table_.data();
     view.hints = hints_.data();
-    view.stride = static_cast<int>(table_.size()) / 9;
+    view.stride = static_cast<int>(table_.size()) / transfer_table_fields;
     view.bin_count = static_cast<int>(hints_.size());
     view.search_steps = search_steps_;
     view.first = static_cast<float>(points_.front().value);

@@ -8,6 +8,7 @@
 
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
+#include "lumisweep/sampling/joint_values.h"
 
 namespace lumisweep {
 
@@ -18,14 +19,7 @@ constexpr std::size_t streamed_bytes = std::size_t{16} << 20;
 /// Cells that a thread takes at a time.
 constexpr std::size_t cells_a_piece = 64 * joint_block;
 
-/// Nodes below the root in `levels` levels.
-std::size_t nodes_of(int levels)
-{
-    std::size_t nodes = 0;
-    for (int l = 0; l < levels; ++l)
-        nodes = 4 * nodes + 4;
-    return nodes;
-}
+} // namespace
 
 std::vector<float> light_factors(const Environment& environment, JointFactor factor, std::size_t directions)
 {
@@ -39,11 +33,22 @@ std::vector<float> light_factors(const Environment& environment, JointFactor fac
     return factors;
 }
 
-} // namespace
+JointView joint_shape(Vec3i cells, Vec3i volume_size, int directions_per_side)
+{
+    JointView shape;
+    shape.levels = std::countr_zero(static_cast<unsigned>(directions_per_side));
+    shape.node_count = joint_nodes(shape.levels);
+    shape.cells = cells;
+    shape.cells_per_voxel = {static_cast<float>(cells.x) / static_cast<float>(volume_size.x),
+                             static_cast<float>(cells.y) / static_cast<float>(volume_size.y),
+                             static_cast<float>(cells.z) / static_cast<float>(volume_size.z)};
+    return shape;
+}
 
 std::size_t JointGrid::bytes_needed(std::size_t cell_count, int directions_per_side)
 {
-    return cell_count * sizeof(float) * (1 + nodes_of(std::countr_zero(static_cast<unsigned>(directions_per_side))));
+    const int levels = std::countr_zero(static_cast<unsigned>(directions_per_side));
+    return cell_count * sizeof(float) * (1 + static_cast<std::size_t>(joint_nodes(levels)));
 }
 
 void JointGrid::require_indexable(std::size_t cell_count, int directions_per_side)
@@ -62,27 +67,22 @@ bool JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const
     LUMISWEEP_EXPECT(environment.resolution() >= visibility.directions_per_side());
     const std::size_t cell_count = visibility.cell_count();
     require_indexable(cell_count, visibility.directions_per_side());
-    const int levels = std::countr_zero(static_cast<unsigned>(visibility.directions_per_side()));
-    const std::size_t node_count = nodes_of(levels);
+    const JointView shape = joint_shape(visibility.cells(), volume_size, visibility.directions_per_side());
+    const auto node_count = static_cast<std::size_t>(shape.node_count);
     if (root_.size() != cell_count || nodes_.size() != cell_count * node_count) {
         *this = JointGrid(); // the old one first: each may be as large as the volume
         AlignedArray<float> root(cell_count, Contents::uninitialised);
         nodes_ = AlignedArray<float>(cell_count * node_count, Contents::uninitialised);
         root_ = std::move(root);
     }
-    cells_ = visibility.cells();
-    cells_per_voxel_ = {static_cast<float>(cells_.x) / static_cast<float>(volume_size.x),
-                        static_cast<float>(cells_.y) / static_cast<float>(volume_size.y),
-                        static_cast<float>(cells_.z) / static_cast<float>(volume_size.z)};
-    levels_ = levels;
+    shape_ = shape;
 
     const std::vector<float> light =
         light_factors(environment, factor, static_cast<std::size_t>(visibility.direction_count()));
-    if (levels == 0) {
+    if (shape.levels == 0) {
         for (std::size_t cell = 0; cell < cell_count; ++cell)
             root_[cell] =
-                (static_cast<float>(visibility.direction(0)[cell]) * (1.0F / 255.0F) + static_cast<float>(epsilon)) *
-                light[0];
+                joint_leaf(static_cast<float>(visibility.direction(0)[cell]), static_cast<float>(epsilon), light[0]);
         return true;
     }
     std::vector<const std::uint8_t*> directions;
@@ -94,7 +94,7 @@ bool JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const
     work.light = light.data();
     work.epsilon = static_cast<float>(epsilon);
     work.directions = visibility.direction_count();
-    work.node_count = static_cast<int>(node_count);
+    work.node_count = shape.node_count;
     work.nodes = nodes_.data();
     work.root = root_.data();
     work.stores = nodes_.bytes() > streamed_bytes ? JointStores::streaming : JointStores::cached;
@@ -107,7 +107,10 @@ bool JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const
 
 JointView JointGrid::view() const
 {
-    return {root_.data(), nodes_.data(), static_cast<int>(nodes_of(levels_)), levels_, cells_, cells_per_voxel_};
+    JointView view = shape_;
+    view.root = root_.data();
+    view.nodes = nodes_.data();
+    return view;
 }
 
 } // namespace lumisweep

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <vector>
 
 #include "lumisweep/base/aligned.h"
 #include "lumisweep/light/environment.h"
@@ -16,6 +17,13 @@ namespace lumisweep {
 
 /// What the product is taken with.
 enum class JointFactor { visibility_only, visibility_times_light };
+
+/// What each direction's visibility is multiplied with: 1, or its light L̄ / mean L̄. `directions` is a power of 4, of at
+/// most as many as the environment has texels.
+std::vector<float> light_factors(const Environment& environment, JointFactor factor, std::size_t directions);
+
+/// The view of a grid of that shape, without its memory. `volume_size` in voxels.
+JointView joint_shape(Vec3i cells, Vec3i volume_size, int directions_per_side);
 
 class JointGrid {
 public:
@@ -46,9 +54,7 @@ public:
     std::size_t bytes() const { return root_.bytes() + nodes_.bytes(); }
 
 private:
-    Vec3i cells_{0, 0, 0};
-    Vec3f cells_per_voxel_{0.0F, 0.0F, 0.0F};
-    int levels_ = 0;
+    JointView shape_; ///< without memory
     AlignedArray<float> root_, nodes_;
 };
 

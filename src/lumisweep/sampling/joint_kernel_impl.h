@@ -2,6 +2,7 @@
 // hold one value for `Cells::width` neighbouring cells. Everything is local to the file: the linker must not mix
 // instruction sets.
 #include "lumisweep/sampling/joint_kernel.h"
+#include "lumisweep/sampling/joint_values.h"
 
 namespace lumisweep {
 namespace {
@@ -18,7 +19,7 @@ struct Block {
 inline __attribute__((always_inline)) Float place(float* nodes, int node_count, Float a, Float b, Float c, Float d)
 {
     Cells::store_transposed(nodes, node_count, a, b, c, d);
-    return ((a + b) + (c + d)) * 0.25F;
+    return joint_mean(a, b, c, d);
 }
 
 /// Fills block.staged and root[joint_block] from the cells that begin at visibility[direction] + offset.
@@ -37,8 +38,8 @@ inline __attribute__((always_inline)) void fill(Block& block, float* root, const
         for (int cell = 0; cell < static_cast<int>(joint_block); cell += width) {
             const auto leaf = [&](int direction) __attribute__((always_inline))
             {
-                const Float v = Cells::load(visibility[direction] + offset + cell) * (1.0F / 255.0F);
-                return (v + work.epsilon) * work.light[direction];
+                return joint_leaf(Cells::load(visibility[direction] + offset + cell), work.epsilon,
+                                  work.light[direction]);
             };
             const Float mean = place(block.staged + cell * work.node_count + node + d, work.node_count, leaf(d),
                                      leaf(d + 1), leaf(d + 2), leaf(d + 3));

@@ -1,6 +1,7 @@
 // The joint grid as kernels read it.
 #pragma once
 
+#include "lumisweep/base/host_device.h"
 #include "lumisweep/math/vec.h"
 
 namespace lumisweep {
@@ -17,5 +18,8 @@ struct JointView {
     Vec3i cells{0, 0, 0};
     Vec3f cells_per_voxel{0.0F, 0.0F, 0.0F};
 };
+
+/// Nodes of a cell: 4 + 16 + … + 4^levels.
+LUMISWEEP_HD constexpr int joint_nodes(int levels) { return ((1 << (2 * levels + 2)) - 4) / 3; }
 
 } // namespace lumisweep

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "lumisweep/visibility/extinction_grid.h"
-#include "lumisweep/volume/transfer_function_view.h"
+#include "lumisweep/visibility/voxel_steps.h"
 
 namespace lumisweep {
 
@@ -16,7 +16,7 @@ inline constexpr int classify_block_rows = 512;
 /// Bytes from line to line of ClassifyScratch::lines: whole cache lines, and not a power of two of them.
 inline constexpr int scratch_line = classify_block_rows + 64;
 
-/// What all blocks share. Extinction counts in stored steps, in 16.16 fixed point until it is dithered; all of 255.
+/// What all blocks share. Extinction counts in stored steps, in fixed point until it is dithered (voxel_steps.h).
 struct ClassifyJob {
     const void* voxels;
     VoxelType type;
@@ -26,9 +26,7 @@ struct ClassifyJob {
     /// 0.
     const std::int32_t* table;
     std::int32_t empty_first, empty_last;
-    /// f32: steps are steps_of_one · extinction; 0 where empty_first_value ≤ value < empty_end_value (data units).
-    TransferFunctionView tf;
-    float steps_of_one, empty_first_value, empty_end_value;
+    FloatClassification floats;                ///< f32
     const std::uint16_t* dither;               ///< dither_numbers()
     Vec3i size;                                ///< level voxels
     std::uint8_t* stored;                      ///< [z][y][x]

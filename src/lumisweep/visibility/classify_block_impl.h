@@ -35,7 +35,6 @@ LUMISWEEP_HD void add_row(const Steps& steps_of, const T* raw, int count, std::i
 
 LUMISWEEP_HD int smaller(int a, int b) { return a < b ? a : b; }
 
-/// Rounds up as often as the fraction says.
 LUMISWEEP_HD void dither_row(const ClassifyJob& job, std::size_t row, const std::int32_t* __restrict steps)
 {
     std::uint8_t* __restrict stored = job.stored + row * static_cast<std::size_t>(job.size.x);
@@ -44,7 +43,7 @@ LUMISWEEP_HD void dither_row(const ClassifyJob& job, std::size_t row, const std:
             job.dither + dither_start(static_cast<std::uint32_t>(row), static_cast<std::uint32_t>(first / dither_run));
         const auto dither = [&](int count) {
             for (int i = 0; i < count; ++i)
-                stored[first + i] = static_cast<std::uint8_t>((steps[first + i] + random[i]) >> 16);
+                stored[first + i] = dithered(steps[first + i], random[i]);
         };
         if (first + dither_run <= job.size.x)
             dither(dither_run);
@@ -129,20 +128,26 @@ private:
             scratch_.steps[x] = 0;
         const std::int32_t* from = scratch_.steps;
         std::int32_t* to = scratch_.steps + count;
-        for (int halved = 1; halved <= level; ++halved) {
+        for (int halved = 1; halved < level; ++halved) {
             count /= 2;
-            const int round = halved == level ? 1 << (3 * level - 1) : 0, shift = halved == level ? 3 * level : 0;
-            halve(from, to, count, round, shift);
+            add_pairs(from, to, count);
             from = to;
             to += count;
         }
-        return from;
+        mean_of_pairs(from, to, count / 2, 3 * level);
+        return to;
     }
 
-    static void halve(const std::int32_t* __restrict from, std::int32_t* __restrict to, int count, int round, int shift)
+    static void add_pairs(const std::int32_t* __restrict from, std::int32_t* __restrict to, int count)
     {
         for (int i = 0; i < count; ++i)
-            to[i] = (from[2 * i] + from[2 * i + 1] + round) >> shift;
+            to[i] = from[2 * i] + from[2 * i + 1];
+    }
+
+    static void mean_of_pairs(const std::int32_t* __restrict from, std::int32_t* __restrict to, int count, int shift)
+    {
+        for (int i = 0; i < count; ++i)
+            to[i] = rounded_mean(from[2 * i] + from[2 * i + 1], shift);
     }
 
     void widen()
@@ -157,8 +162,7 @@ private:
     const std::int32_t* wide_mean(int shift)
     {
         for (int i = 0; i < job_.size.x; ++i)
-            scratch_.steps[i] =
-                static_cast<std::int32_t>((scratch_.sums[i] + (std::uint64_t{1} << (shift - 1))) >> shift);
+            scratch_.steps[i] = rounded_mean(scratch_.sums[i], shift);
         return scratch_.steps;
     }
 
@@ -235,7 +239,9 @@ void classify_block_lanes(const ClassifyJob& job, int slice, int first_row, cons
     case VoxelType::i16:
         rows_of.template operator()<TableSteps<F>>(static_cast<const std::int16_t*>(job.voxels));
         break;
-    default: rows_of.template operator()<FloatSteps<F, FloatSegments>>(static_cast<const float*>(job.voxels)); break;
+    default:
+        rows_of.template operator()<LoadedFloatSteps<F, FloatSegments>>(static_cast<const float*>(job.voxels));
+        break;
     }
     if (job.transposed != nullptr)
         transpose_rows<F>(job, slice, first_row, end_row, scratch.lines);

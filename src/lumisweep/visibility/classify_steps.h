@@ -3,6 +3,7 @@
 
 #include "lumisweep/math/lanes.h"
 #include "lumisweep/visibility/classify_block.h"
+#include "lumisweep/visibility/voxel_steps.h"
 
 namespace lumisweep {
 namespace {
@@ -35,39 +36,12 @@ private:
     int_of<F> empty_first_, empty_last_;
 };
 
-/// The renderer's search for the segment, for any number of points.
-template <class F>
-struct GatheredSegments {
-    explicit GatheredSegments(const TransferFunctionView& view) : tf(view) {}
-    LUMISWEEP_HD F extinction(const F& value) const
-    {
-        const TransferSegment<F> s = find_segment(tf, value);
-        return s.offset * gather(tf.table + 2 * tf.stride, s.index) + gather(tf.table + tf.stride, s.index);
-    }
-    const TransferFunctionView& tf;
-};
-
-/// Steps of float voxels.
+/// FloatSteps of voxels in memory.
 template <class F, class Segments>
-class FloatSteps {
+class LoadedFloatSteps : public FloatSteps<F, Segments> {
 public:
-    explicit FloatSteps(const ClassifyJob& job)
-        : segments_(job.tf), slope_(job.tf.slope), intercept_(job.tf.intercept), steps_of_one_(job.steps_of_one),
-          empty_first_(job.empty_first_value), empty_end_(job.empty_end_value)
-    {
-    }
-    LUMISWEEP_HD F load_raw(const float* raw) const { return load<F>(raw) * slope_ + intercept_; }
-    LUMISWEEP_HD bool empty(const F& value) const { return all((value >= empty_first_) & (value < empty_end_)); }
-    LUMISWEEP_HD int_of<F> operator()(const F& value) const
-    {
-        const F steps = min(max(segments_.extinction(value) * steps_of_one_, F(0.0F)), F(255.0F * 65536.0F));
-        constexpr float largest = 3.40282347e38F; // what lies beyond, and NaN, is empty
-        return to_int(select(abs(value) <= F(largest), steps, F(0.0F)) + F(0.5F));
-    }
-
-private:
-    Segments segments_;
-    F slope_, intercept_, steps_of_one_, empty_first_, empty_end_;
+    explicit LoadedFloatSteps(const ClassifyJob& job) : FloatSteps<F, Segments>(job.floats) {}
+    LUMISWEEP_HD F load_raw(const float* raw) const { return this->value_of(load<F>(raw)); }
 };
 
 } // namespace

@@ -9,9 +9,10 @@ namespace lumisweep {
 
 /// Neighbours along x that share a run of numbers.
 inline constexpr int dither_run = 64;
+inline constexpr int dither_count = (1 << 16) + dither_run;
 
-/// Every 16-bit number once, shuffled, and the first dither_run of them again, so that a run may start at any of the
-/// 2^16. As runs start at hashed places, rounding up is exactly as likely as the fraction says.
+/// dither_count numbers: every one of 16 bits once, shuffled, and the first dither_run of them again, so that a run may
+/// start at any of the 2^16. As runs start at hashed places, rounding up is exactly as likely as the fraction says.
 const std::uint16_t* dither_numbers();
 
 /// Where run `run` of row `row` starts. It depends on nothing else, so results are the same for any number of threads.

@@ -1,33 +1,19 @@
 #include "lumisweep/visibility/extinction_grid.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <vector>
 
-#include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/visibility/classify_block.h"
+#include "lumisweep/visibility/classify_setup.h"
 #include "lumisweep/visibility/dither.h"
 
 namespace lumisweep {
 namespace {
 
-constexpr double fixed_one = 65536.0;
-
 std::size_t count(Vec3i size)
 {
     return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z);
-}
-
-/// The largest extinction that the transfer function has within the volume's range, of which 255 steps are.
-double largest_extinction(const ScalarGrid& volume, const RawRange& range, const TransferFunction& tf)
-{
-    if (range.empty())
-        return 0.0;
-    const double a = volume.slope() * range.low + volume.intercept();
-    const double b = volume.slope() * range.high + volume.intercept();
-    return tf.max_extinction(std::min(a, b), std::max(a, b));
 }
 
 /// Sets job.table (which `memory` owns): steps of every raw value that occurs.
@@ -37,13 +23,10 @@ void make_table(ClassifyJob& job, std::vector<std::int32_t>& memory, const Scala
     constexpr int offset = 1 << 15; // the lowest raw value of all types is −offset, the highest 2 · offset − 1
     memory.assign(3 * offset, 0);
     std::int32_t* table = memory.data() + offset;
+    const TransferPointsView points = tf.points_view();
     const int first = static_cast<int>(range.low), end = static_cast<int>(range.high) + 1;
     parallel_for(
-        first, end,
-        [&](int raw) {
-            const double steps = tf.evaluate(volume.slope() * raw + volume.intercept()).extinction / scale;
-            table[raw] = static_cast<std::int32_t>(std::lround(std::min(steps, 255.0) * fixed_one));
-        },
+        first, end, [&](int raw) { table[raw] = steps_of_raw(points, volume.slope(), volume.intercept(), scale, raw); },
         1024);
     job.table = table;
     // The longest run of zeros.
@@ -56,27 +39,6 @@ void make_table(ClassifyJob& job, std::vector<std::int32_t>& memory, const Scala
             job.empty_first = run;
             job.empty_last = raw;
         }
-}
-
-/// Sets what float voxels need. The empty values are the widest run of segments that are 0 all over.
-void use_segments(ClassifyJob& job, const ScalarGrid& volume, const TransferFunction& tf, double scale)
-{
-    constexpr float infinity = std::numeric_limits<float>::infinity();
-    job.tf = tf.view(volume.slope(), volume.intercept());
-    job.steps_of_one = static_cast<float>(std::min(fixed_one / scale, double{std::numeric_limits<float>::max()}));
-    const float *knot = job.tf.table, *extinction = knot + job.tf.stride, *slope = extinction + job.tf.stride;
-    const int segments = job.tf.stride - 1;
-    job.empty_first_value = job.empty_end_value = infinity;
-    float begin = -infinity;
-    for (int s = 0; s < segments; ++s) {
-        const float end = knot[s + 1];
-        if (extinction[s] != 0.0F || slope[s] != 0.0F)
-            begin = end;
-        else if (end - begin > job.empty_end_value - job.empty_first_value || job.empty_first_value == infinity) {
-            job.empty_first_value = begin;
-            job.empty_end_value = end;
-        }
-    }
 }
 
 /// Blocks of a slice.
@@ -151,15 +113,12 @@ bool classify_with(ClassifyBlock block, ExtinctionGrid& grid, const ScalarGrid& 
                    const TransferFunction& transfer_function, int mip_level, ExtinctionLayouts layouts,
                    const std::atomic<bool>* cancel)
 {
-    require(mip_level >= 0 && mip_level <= 13, "classify: mip level {} (use 0 to 13)", mip_level);
-    const Vec3i& n = volume.size();
-    const auto level_side = [&](int side) { return (side + (1 << mip_level) - 1) >> mip_level; };
-    const double scale = largest_extinction(volume, range, transfer_function) / 255.0;
+    grid.size = level_size(volume.size(), mip_level);
+    const double scale = extinction_of_step(volume, range, transfer_function);
     const bool transposed = layouts == ExtinctionLayouts::with_transposed;
-    grid.volume_size = n;
+    grid.volume_size = volume.size();
     grid.world_from_voxel = volume.world_from_voxel();
     grid.mip_level = mip_level;
-    grid.size = {level_side(n.x), level_side(n.y), level_side(n.z)};
     grid.scale = static_cast<float>(scale);
     fit(grid.stored, count(grid.size), grid.scale);
     fit(grid.transposed, transposed ? count(grid.size) : 0, grid.scale);
@@ -172,10 +131,10 @@ bool classify_with(ClassifyBlock block, ExtinctionGrid& grid, const ScalarGrid& 
     ClassifyJob job{};
     job.voxels = volume.data();
     job.type = volume.type();
-    job.volume_size = n;
+    job.volume_size = volume.size();
     job.mip_level = mip_level;
     if (volume.type() == VoxelType::f32)
-        use_segments(job, volume, transfer_function, scale);
+        job.floats = classification_of_floats(volume, transfer_function, scale);
     else
         make_table(job, table, volume, range, transfer_function, scale);
     job.dither = dither_numbers();

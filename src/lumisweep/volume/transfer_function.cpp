@@ -55,7 +55,7 @@ void TransferFunction::build_tables()
 {
     const int k = static_cast<int>(points_.size());
     const int stride = std::max(k + 2, small_table);
-    table_.assign(static_cast<std::size_t>(9 * stride), 0.0F);
+    table_.assign(static_cast<std::size_t>(transfer_table_fields * stride), 0.0F);
     const auto set = [&](int field, int segment, double v) {
         table_[static_cast<std::size_t>(field * stride + segment)] = static_cast<float>(v);
     };
@@ -115,17 +115,10 @@ TransferFunction::Material TransferFunction::evaluate(double value) const
 {
     if (std::isnan(value))
         return {0.0, points_.front().albedo};
-    const auto after = std::upper_bound(points_.begin(), points_.end(), value,
-                                        [](double v, const TransferPoint& p) { return v < p.value; });
-    if (after == points_.begin() || after == points_.end()) {
-        const TransferPoint& p = after == points_.begin() ? points_.front() : points_.back();
-        return {p.extinction * extinction_scale_, p.albedo};
-    }
-    const TransferPoint& a = after[-1];
-    const TransferPoint& b = after[0];
-    const double t = (value - a.value) / (b.value - a.value);
-    return {(a.extinction + (b.extinction - a.extinction) * t) * extinction_scale_,
-            a.albedo + (b.albedo - a.albedo) * t};
+    const TransferPosition p = position_of(points_view(), value);
+    const Vec3d& left = points_[static_cast<std::size_t>(p.left)].albedo;
+    const Vec3d& right = points_[static_cast<std::size_t>(p.right)].albedo;
+    return {exact_extinction(points_view(), p), left + (right - left) * p.fraction};
 }
 
 double TransferFunction::max_extinction(double low, double high) const
@@ -164,7 +157,7 @@ TransferFunctionView TransferFunction::view(double slope, double intercept) cons
     TransferFunctionView view;
     view.table = table_.data();
     view.hints = hints_.data();
-    view.stride = static_cast<int>(table_.size()) / 9;
+    view.stride = static_cast<int>(table_.size()) / transfer_table_fields;
     view.bin_count = static_cast<int>(hints_.size());
     view.search_steps = search_steps_;
     view.first = static_cast<float>(points_.front().value);

@@ -5,16 +5,11 @@
 #include <vector>
 
 #include "lumisweep/math/vec.h"
+#include "lumisweep/volume/transfer_points.h"
 
 namespace lumisweep {
 
 struct TransferFunctionView; // volume/transfer_function_view.h
-
-struct TransferPoint {
-    double value = 0.0;          ///< data units
-    double extinction = 0.0;     ///< 1 / world unit, before extinction_scale
-    Vec3d albedo{1.0, 1.0, 1.0}; ///< [0, 1] per channel
-};
 
 /// Piecewise linear between points sorted by value, clamped outside the first and the last. Two points may share a
 /// value: a step, whose upper side holds from that value on.
@@ -45,6 +40,11 @@ public:
 
     /// Tables that kernels read, for raw voxels with value = slope · raw + intercept. Valid while this object lives.
     TransferFunctionView view(double slope, double intercept) const;
+    /// The same in double precision, for tables by raw value. Valid while this object lives.
+    TransferPointsView points_view() const
+    {
+        return {points_.data(), static_cast<int>(points_.size()), extinction_scale_};
+    }
 
 private:
     void build_tables();

@@ -8,12 +8,14 @@
 
 namespace lumisweep {
 
+inline constexpr int transfer_table_fields = 9;
+
 /// K points make K + 1 segments: segment 0 lies below the first point, segment s in [value s−1, value s), segment K
 /// above. Within a segment y(v) = y_knot + (v − knot) · slope, so steps and close points cost no accuracy, unlike a
-/// resampled table. Memory: table [9][stride] float: knot, extinction, its slope, then albedo and its slope for r, g,
-/// b; knot [stride − 1] is +infinity. hints [bin_count]: the first segment that a uniform bin of [first, last] can
-/// need; search_steps comparisons find the segment from there. Tables of up to small_table segments, the rest of which
-/// begin at +infinity, are searched by halves instead: they fit into registers.
+/// resampled table. Memory: table [transfer_table_fields][stride] float: knot, extinction, its slope, then albedo and
+/// its slope for r, g, b; knot [stride − 1] is +infinity. hints [bin_count]: the first segment that a uniform bin of
+/// [first, last] can need; search_steps comparisons find the segment from there. Tables of up to small_table segments,
+/// the rest of which begin at +infinity, are searched by halves instead: they fit into registers.
 struct TransferFunctionView {
     const float* table = nullptr;
     const std::int32_t* hints = nullptr;

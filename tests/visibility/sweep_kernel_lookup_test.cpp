@@ -97,12 +97,12 @@ struct SideCase {
         row.leave = leave.data();
         row.fraction = fraction.data();
         for (int k = 0; k < 2; ++k) {
-            row.row_begin[k] = static_cast<float>(127 * uniform(random, 0, 20));
-            row.row_end[k] = static_cast<float>(127 * uniform(random, 10, slices));
+            row.row.begin[k] = static_cast<float>(127 * uniform(random, 0, 20));
+            row.row.end[k] = static_cast<float>(127 * uniform(random, 10, slices));
         }
-        row.row_enter = random_floats(random, 1, 0.0F, 10.0F)[0];
-        row.row_leave = random_floats(random, 1, 10.0F, 50.0F)[0];
-        row.fraction_rows = random_floats(random, 1, 0.0F, 1.0F)[0];
+        row.row.enter = random_floats(random, 1, 0.0F, 10.0F)[0];
+        row.row.leave = random_floats(random, 1, 10.0F, 50.0F)[0];
+        row.row.fraction = random_floats(random, 1, 0.0F, 1.0F)[0];
         row.depth = random_floats(random, 1, 0.0F, 50.0F)[0];
         row.weight = std::floor(row.depth * 127.0F);
         row.scale = random_floats(random, 1, 0.01F, 2.0F)[0];
@@ -140,18 +140,18 @@ TEST(SweepKernels, SideFactorsAreLengthPerWeight)
             double until = 0.0, from = 0.0;
             for (int k = 0; k < 4; ++k) {
                 const double f = k % 2 == 0 ? 1.0 - sides.fraction[c] : sides.fraction[c];
-                const double g = k < 2 ? 1.0 - sides.row.fraction_rows : sides.row.fraction_rows;
+                const double g = k < 2 ? 1.0 - sides.row.row.fraction : sides.row.row.fraction;
                 const double begin =
-                    std::max(k % 2 == 0 ? sides.begin_low[c] : sides.begin_high[c], sides.row.row_begin[k / 2]);
+                    std::max(k % 2 == 0 ? sides.begin_low[c] : sides.begin_high[c], sides.row.row.begin[k / 2]);
                 const double end =
-                    std::min(k % 2 == 0 ? sides.end_low[c] : sides.end_high[c], sides.row.row_end[k / 2]);
+                    std::min(k % 2 == 0 ? sides.end_low[c] : sides.end_high[c], sides.row.row.end[k / 2]);
                 const double at = sides.row.weight;
                 until += f * g * std::max(0.0, std::min(end, at) - begin);
                 from += f * g * std::max(0.0, end - std::max(begin, at));
             }
             const double scale = sides.row.scale;
-            const double enter = std::max(sides.enter[c], sides.row.row_enter);
-            const double leave = std::min(sides.leave[c], sides.row.row_leave);
+            const double enter = std::max(sides.enter[c], sides.row.row.enter);
+            const double leave = std::min(sides.leave[c], sides.row.row.leave);
             const double before = std::max(0.0, sides.row.depth - enter);
             const double behind = std::max(0.0, leave - sides.row.depth);
             EXPECT_NEAR(forwards[c], until > 0.0 ? scale * before / until : 0.0, 1e-5 * forwards[c] + 1e-9);

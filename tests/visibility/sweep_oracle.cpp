@@ -157,15 +157,15 @@ private:
         side.leave = &leave;
         side.fraction = &a.fraction;
         for (int k = 0; k < 2; ++k) {
-            side.row_begin[k] = weight(g_.v.begin, b.ray + k);
-            side.row_end[k] = weight(g_.v.end, b.ray + k);
+            side.row.begin[k] = weight(g_.v.begin, b.ray + k);
+            side.row.end[k] = weight(g_.v.end, b.ray + k);
         }
-        side.row_enter = std::max(static_cast<float>(row.enter), 0.0F);
-        side.row_leave = std::min(static_cast<float>(row.leave), slices);
+        side.row.enter = std::max(static_cast<float>(row.enter), 0.0F);
+        side.row.leave = std::min(static_cast<float>(row.leave), slices);
         // Interpolating between two rows of rays that see all slices would only round.
-        const bool passes_a_side = side.row_begin[0] > 0.0F || side.row_begin[1] > 0.0F || side.row_enter > 0.0F ||
-                                   side.row_end[0] < whole || side.row_end[1] < whole || side.row_leave < slices;
-        side.fraction_rows = passes_a_side ? b.fraction : 0.0F;
+        const bool passes_a_side = side.row.begin[0] > 0.0F || side.row.begin[1] > 0.0F || side.row.enter > 0.0F ||
+                                   side.row.end[0] < whole || side.row.end[1] < whole || side.row.leave < slices;
+        side.row.fraction = passes_a_side ? b.fraction : 0.0F;
         side.depth = static_cast<float>(depth);
         side.weight = static_cast<float>(weight_at(depth));
         side.scale =

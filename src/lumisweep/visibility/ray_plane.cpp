@@ -1,7 +1,6 @@
 #include "lumisweep/visibility/ray_plane.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lumisweep {
 
@@ -12,17 +11,14 @@ void CellPlaces::place(const SweepAxis& axis, int cell_count, double cell_side, 
     const std::size_t count = depths.size() * static_cast<std::size_t>(cells);
     ray.resize(count);
     fraction.resize(count);
-    const bool even = cell_side == std::floor(cell_side) && cell_side <= 8.0;
-    step = even ? static_cast<int>(cell_side) : 0;
+    step = CellRow::is_even(cell_side) ? static_cast<int>(cell_side) : 0;
     std::size_t at = 0;
     for (const double depth : depths) {
-        const double begin = 0.5 * cell_side - 0.5 - axis.slope * depth - axis.first_ray;
-        const double first = std::floor(begin);
+        const CellRow row(axis, cell_side, depth);
         for (int c = 0; c < cells; ++c, ++at) {
-            const double x = even ? first + c * cell_side : begin + c * cell_side;
-            const double low = even ? x : std::floor(x);
-            ray[at] = static_cast<std::int32_t>(low);
-            fraction[at] = static_cast<float>(even ? begin - first : x - low);
+            const CellPlace place = row.place(c);
+            ray[at] = place.ray;
+            fraction[at] = place.fraction;
         }
     }
 }
@@ -31,24 +27,11 @@ void RayPlane::start(const MarchedLevel& level, const Vec3d& w_world)
 {
     geometry_ = std::make_unique<SweepGeometry>(level.size, level.level_from_world, w_world);
     const SweepGeometry& g = *geometry_;
-    const int slices = component(level.cells, g.axis);
-    const double cell_w = component(level.cell_sides, g.axis);
-    std::vector<double> depths;
-    pieces_.clear();
-    slab_begin_.assign(1, 0);
-    double depth = 0.0;
-    for (int k = 0; k <= slices; ++k) {
-        const double next = k < slices ? (k + 0.5) * cell_w : g.slices;
-        for (const SweepPiece& piece : g.pieces(depth, next))
-            pieces_.push_back(piece);
-        slab_begin_.push_back(static_cast<int>(pieces_.size()));
-        if (k < slices)
-            depths.push_back(next);
-        depth = next;
-    }
+    slabs_ = g.slabs(component(level.cells, g.axis), level.cell_side(g.axis));
+    const std::vector<double>& depths = slabs_.depths;
     const int u = u_axis_of(g.axis), v = v_axis_of(g.axis);
-    u_.place(g.u, component(level.cells, u), component(level.cell_sides, u), depths);
-    v_.place(g.v, component(level.cells, v), component(level.cell_sides, v), depths);
+    u_.place(g.u, component(level.cells, u), level.cell_side(u), depths);
+    v_.place(g.v, component(level.cells, v), level.cell_side(v), depths);
 
     // Even and odd rays of a row one after the other, each in whole blocks.
     half_row_ = (g.u.ray_count + ray_block - 1) / ray_block * (ray_block / 2);
@@ -73,14 +56,6 @@ std::int32_t* RayPlane::row(int ray_row)
         started = 1;
     }
     return rays;
-}
-
-std::span<const SweepPiece> RayPlane::slab(int slab) const
-{
-    const int begin = slab_begin_[static_cast<std::size_t>(slab)];
-    return std::span(pieces_).subspan(
-        static_cast<std::size_t>(begin),
-        static_cast<std::size_t>(slab_begin_[static_cast<std::size_t>(slab) + 1] - begin));
 }
 
 void RayPlane::look_up(const SweepKernels& kernels, int slice, int row_of_cells, float* tau)

@@ -10,20 +10,16 @@
 #include "lumisweep/visibility/extinction_grid.h"
 #include "lumisweep/visibility/sweep_geometry.h"
 #include "lumisweep/visibility/sweep_kernel.h"
+#include "lumisweep/visibility/sweep_level.h"
 
 namespace lumisweep {
 
 /// The marched level and the cells on it.
-struct MarchedLevel {
-    Vec3i size;
+struct MarchedLevel : SweepLevel {
     const std::uint8_t* voxels;                               ///< x fastest, then y, then z
     const std::uint8_t* transposed;                           ///< y fastest, then z, then x; only for sweeps along x
     const ExtinctionGrid::Filled *filled, *filled_transposed; ///< of the rows of either
-    Affine3d level_from_world;
-    Vec3d voxel_sides_world;  ///< of the level's voxels
-    double extinction_of_one; ///< 1/world unit per stored step
-    Vec3i cells;
-    Vec3d cell_sides; ///< level voxels
+    double extinction_of_one;                                 ///< 1/world unit per stored step
 };
 
 /// Where the cells of a line look up, for each slice of cells.
@@ -63,7 +59,7 @@ public:
     std::int32_t* row(int ray_row);
     int half_row() const { return half_row_; }
     /// Pieces of slices up to lookup `slab`, and for slab = slices of cells the rest behind the last.
-    std::span<const SweepPiece> slab(int slab) const;
+    std::span<const SweepPiece> slab(int slab) const { return slabs_.slab(slab); }
 
 private:
     /// LookupRow::step: even and odd rays are stored apart; 0 also for steps that the kernels have no loop for.
@@ -74,8 +70,7 @@ private:
 
     std::unique_ptr<SweepGeometry> geometry_;
     CellPlaces u_, v_;
-    std::vector<SweepPiece> pieces_;
-    std::vector<int> slab_begin_;
+    SweepSlabs slabs_;
     int half_row_ = 0;                       ///< rays of one parity in a row
     AlignedArray<std::int32_t> rays_;        ///< [ray row][parity][ray / 2]
     std::vector<std::uint8_t> started_;      ///< [ray row] has been set to zero

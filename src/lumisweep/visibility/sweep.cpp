@@ -23,37 +23,19 @@ namespace {
 
 MarchedLevel level_of(const ExtinctionGrid& extinction, Vec3i cells)
 {
-    MarchedLevel level;
-    level.size = extinction.size;
-    level.voxels = extinction.stored.data();
-    level.transposed = extinction.transposed.data();
-    level.filled = extinction.filled.data();
-    level.filled_transposed = extinction.filled_transposed.data();
-    level.extinction_of_one = static_cast<double>(extinction.scale);
-    const double side = std::ldexp(1.0, extinction.mip_level); // finest voxels
-    Affine3d world_from_level = extinction.world_from_voxel;
-    for (Vec3d& column : world_from_level.column)
-        column = column * side;
-    level.level_from_world = inverse(world_from_level);
-    level.voxel_sides_world = {length(world_from_level.column[0]), length(world_from_level.column[1]),
-                               length(world_from_level.column[2])};
-    level.cells = cells;
-    const Vec3i& size = extinction.volume_size;
-    level.cell_sides = {size.x / side / cells.x, size.y / side / cells.y, size.z / side / cells.z};
-    return level;
+    return {{extinction.volume_size, extinction.world_from_voxel, extinction.mip_level, extinction.size, cells},
+            extinction.stored.data(),
+            extinction.transposed.data(),
+            extinction.filled.data(),
+            extinction.filled_transposed.data(),
+            static_cast<double>(extinction.scale)};
 }
 
 void check(const VisibilityGrid& grid, const ExtinctionGrid& extinction, const VisibilitySettings& settings,
-           std::span<const int> directions, int level)
+           std::span<const int> directions)
 {
-    settings.validate();
     require(!extinction.stored.empty(), "visibility sweep: the volume has not been classified");
-    require(grid.directions_per_side() == settings.directions &&
-                grid.cells() == VisibilityGrid::cells_of(extinction.volume_size, settings.cell),
-            "visibility sweep: the grid was made for another volume or other visibility settings (make a new one)");
-    require(level == extinction.mip_level,
-            "visibility sweep: mip level {} is needed but level {} was classified (see sweep_mip_level)", level,
-            extinction.mip_level);
+    check_sweep(grid.cells(), grid.directions_per_side(), extinction.volume_size, extinction.mip_level, settings);
     for (const int d : directions)
         require(d >= 0 && d < grid.direction_count(), "visibility sweep: direction {} is not in 0 to {}", d,
                 grid.direction_count() - 1);
@@ -202,8 +184,7 @@ SweepStats sweep_visibility_with(const SweepKernels& kernels, VisibilityGrid& gr
                                  const std::atomic<bool>* cancel)
 {
     const auto begin = std::chrono::steady_clock::now();
-    const int level = sweep_mip_level(extinction.volume_size, settings.rays);
-    check(grid, extinction, settings, directions, level);
+    check(grid, extinction, settings, directions);
 
     const MarchedLevel marched = level_of(extinction, grid.cells());
     const std::vector<SweepTask> tasks = plan(marched, settings, directions, threads_of_arena());
@@ -228,7 +209,7 @@ SweepStats sweep_visibility_with(const SweepKernels& kernels, VisibilityGrid& gr
     SweepStats stats;
     for (const Worker& worker : worker_of_thread)
         stats += worker.stats();
-    stats.mip_level = level;
+    stats.mip_level = extinction.mip_level;
     stats.rays = std::max({marched.size.x, marched.size.y, marched.size.z});
     stats.total_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return stats;

@@ -1,58 +1,18 @@
 #include "lumisweep/visibility/sweep_filter.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "lumisweep/math/trigonometry.h"
+#include "lumisweep/visibility/sweep_box.h"
 
 namespace lumisweep {
 namespace {
 
-/// A box of `box` cells about a cell's centre: the `reach` cells on either side wholly, one more by `fraction`.
-struct Box {
-    int reach;
-    double fraction;
-    int shift; ///< by which V is shifted down, so that the sum of the box fits 16 bits
-
-    Box(double box, int count)
-    {
-        const double side = std::clamp(0.5 * (box - 1.0), 0.0, static_cast<double>(count));
-        reach = static_cast<int>(side);
-        fraction = side - reach;
-        for (shift = 0; ((whole_visibility + ((1 << shift) >> 1)) >> shift) * std::min(width(), count) > 65535;)
-            ++shift;
-    }
-    int width() const { return 2 * reach + 1; }
-    /// Sums of fewer than 8 bits a cell round 1 up to 4096/4080, which would be 0 in 8 bits.
-    void bound(std::uint16_t* line, int count) const
-    {
-        constexpr std::uint16_t most = whole_visibility;
-        if (shift > 4)
-            std::transform(line, line + count, line, [&](std::uint16_t v) { return std::min(v, most); });
-    }
-    bool is_identity() const { return reach == 0 && fraction < 1e-4; }
-
-    struct Scales {
-        std::uint16_t whole, ends;
-    };
-    /// Weights, in 1/65536, of the cells wholly inside and of the two at the ends, for cell i of a line of `count`.
-    Scales scales(int i, int count) const
-    {
-        const int first = std::max(i - reach, 0), last = std::min(i + reach, count - 1);
-        const int ends = (i - reach - 1 >= 0 ? 1 : 0) + (i + reach + 1 < count ? 1 : 0);
-        return scales_of(last - first + 1 + fraction * ends);
-    }
-    /// Those of a cell whose box does not leave the line.
-    Scales inside() const { return scales_of(width() + 2.0 * fraction); }
-
-private:
-    Scales scales_of(double covered) const
-    {
-        const double one = 65536.0 * (1 << shift) / covered;
-        const auto rounded = [](double x) { return static_cast<std::uint16_t>(std::min(std::ceil(x), 65535.0)); };
-        return {rounded(one), rounded(one * fraction)};
-    }
-};
+void bound(const Box& box, std::uint16_t* line, int count)
+{
+    if (box.shift > most_exact_shift)
+        std::transform(line, line + count, line, bounded_visibility);
+}
 
 } // namespace
 
@@ -85,15 +45,15 @@ const std::uint16_t* SliceFilter::apply(std::uint16_t* slice, double box_u, doub
 void SliceFilter::along_u(std::uint16_t* slice, double box_width)
 {
     const Box box(box_width, width_);
-    if (box.is_identity() || width_ == 1)
+    if (box.is_identity(width_))
         return;
-    const Box::Scales inside = box.inside();
+    const BoxScales inside = box.inside();
     std::fill(scale_whole_.begin(), scale_whole_.end(), inside.whole);
     std::fill(scale_ends_.begin(), scale_ends_.end(), inside.ends);
     for (int i = 0; i < width_; ++i) {
         if (i == box.reach + 1)
             i = std::max(i, width_ - box.reach - 1); // the box is whole in between
-        const Box::Scales scales = box.scales(i, width_);
+        const BoxScales scales = box.scales(i, width_);
         scale_whole_[static_cast<std::size_t>(i)] = scales.whole;
         scale_ends_[static_cast<std::size_t>(i)] = scales.ends;
     }
@@ -107,7 +67,7 @@ void SliceFilter::along_u(std::uint16_t* slice, double box_width)
             std::copy(line, line + width_, row + pad);
         else
             std::transform(line, line + width_, row + pad,
-                           [&](std::uint16_t v) { return static_cast<std::uint16_t>((v + half) >> box.shift); });
+                           [&](std::uint16_t v) { return shifted_visibility(v, box.shift, half); });
         // Sums of 1, 2, 4, … neighbours; those in the width's binary digits make up the box.
         const std::uint16_t *power = row, *sums = row + 1;
         std::uint16_t *next_power = power_.data(), *spare_power = next_power_.data();
@@ -127,14 +87,14 @@ void SliceFilter::along_u(std::uint16_t* slice, double box_width)
             begin += distance;
         }
         kernels_.box_mean(line, sums, row, row + 2 * pad, scale_whole_.data(), scale_ends_.data(), width_);
-        box.bound(line, width_);
+        bound(box, line, width_);
     }
 }
 
 const std::uint16_t* SliceFilter::along_v(std::uint16_t* slice, double box_height)
 {
     const Box box(box_height, height_);
-    if (box.is_identity() || height_ == 1)
+    if (box.is_identity(height_))
         return slice;
     const auto line = [&](int k) -> const std::uint16_t* {
         return k >= 0 && k < height_ ? slice + static_cast<std::ptrdiff_t>(k) * width_ : zeros_.data();
@@ -143,16 +103,16 @@ const std::uint16_t* SliceFilter::along_v(std::uint16_t* slice, double box_heigh
     std::fill(sums, sums + width_, std::uint16_t{0});
     for (int j = 0; j < std::min(box.reach, height_); ++j)
         kernels_.slide(sums, line(j), zeros_.data(), box.shift, width_);
-    const Box::Scales inside = box.inside();
+    const BoxScales inside = box.inside();
     for (int j = 0; j < height_; ++j) {
         const std::uint16_t* leaving = line(j - box.reach - 1); // also the cell beyond the low end
         kernels_.slide(sums, line(j + box.reach), leaving, box.shift, width_);
         const bool whole = j > box.reach && j < height_ - box.reach - 1;
-        const Box::Scales scales = whole ? inside : box.scales(j, height_);
+        const BoxScales scales = whole ? inside : box.scales(j, height_);
         std::uint16_t* out = out_.data() + static_cast<std::ptrdiff_t>(j) * width_;
         kernels_.box_mean_row(out, sums, leaving, line(j + box.reach + 1), box.shift, scales.whole, scales.ends,
                               width_);
-        box.bound(out, width_);
+        bound(box, out, width_);
     }
     return out_.data();
 }

@@ -19,7 +19,7 @@ int dominant_axis(const Vec3d& w_level)
 
 } // namespace
 
-SweepAxis::SweepAxis(int voxels, double slope_per_slice, int slices) : size(voxels), slope(slope_per_slice)
+SweepAxis::SweepAxis(int voxels, double slope_per_slice, int slices) : RayAxis{voxels, slope_per_slice, 0}
 {
     // Lookups are at −1/2 ≤ u − 1/2 − slope · depth ≤ size − 1/2 and use the ray below and above, with a little to
     // spare.
@@ -65,16 +65,6 @@ SweepAxis::SweepAxis(int voxels, double slope_per_slice, int slices) : size(voxe
     }
 }
 
-SidePass SweepAxis::pass(double x) const
-{
-    constexpr double never = 1e9;
-    const double low = -0.5 - x, high = size - 0.5 - x; // of slope · depth
-    if (std::fabs(slope) < 1e-12)
-        return low <= 0.0 && high >= 0.0 ? SidePass{-never, never} : SidePass{never, -never};
-    const double a = std::clamp(low / slope, -never, never), b = std::clamp(high / slope, -never, never);
-    return {std::min(a, b), std::max(a, b)};
-}
-
 SweepLine::SweepLine(const Affine3d& level_from_world, const Vec3d& w_world)
 {
     const Vec3d w_level = level_from_world.vector(w_world);
@@ -93,11 +83,11 @@ SweepGeometry::SweepGeometry(Vec3i level_size, const Affine3d& level_from_world,
 {
 }
 
-std::int32_t weight_at(double depth)
+std::span<const SweepPiece> SweepSlabs::slab(int index) const
 {
-    const double whole = std::floor(depth);
-    return static_cast<std::int32_t>(whole) * slice_weight +
-           static_cast<std::int32_t>(std::lround((depth - whole) * slice_weight));
+    const auto i = static_cast<std::size_t>(index);
+    return std::span(pieces).subspan(static_cast<std::size_t>(begin[i]),
+                                     static_cast<std::size_t>(begin[i + 1] - begin[i]));
 }
 
 std::vector<SweepPiece> SweepGeometry::pieces(double begin_depth, double end_depth) const
@@ -128,6 +118,23 @@ std::vector<SweepPiece> SweepGeometry::pieces(double begin_depth, double end_dep
         list.push_back(piece);
     }
     return list;
+}
+
+SweepSlabs SweepGeometry::slabs(int cells, double cell_side) const
+{
+    SweepSlabs all;
+    all.begin.push_back(0);
+    double depth = 0.0;
+    for (int k = 0; k <= cells; ++k) {
+        const double next = k < cells ? lookup_depth(k, cell_side) : slices;
+        for (const SweepPiece& piece : pieces(depth, next))
+            all.pieces.push_back(piece);
+        all.begin.push_back(static_cast<int>(all.pieces.size()));
+        if (k < cells)
+            all.depths.push_back(next);
+        depth = next;
+    }
+    return all;
 }
 
 } // namespace lumisweep

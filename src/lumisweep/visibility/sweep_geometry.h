@@ -12,32 +12,20 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lumisweep/math/vec.h"
+#include "lumisweep/visibility/sweep_cells.h"
 
 namespace lumisweep {
 
-/// Sum of a whole slice's weights: four signed bytes whose products with voxels must not overflow 16 bits in pairs.
-inline constexpr int slice_weight = 127;
-
-/// The depths at which a ray passes the low and the high side of the box along u (or v).
-struct SidePass {
-    double enter, leave;
-};
-
-struct SweepAxis {
-    int size;      ///< voxels of the level
-    double slope;  ///< voxels per slice, −1 … 1
-    int first_ray; ///< number of the first ray; even, because even and odd rays are stored apart
+struct SweepAxis : RayAxis {
     int ray_count;
     std::vector<int> begin, end;  ///< [ray − first_ray]: the slices that it counts, [begin, end)
     std::vector<int> first, last; ///< [slice]: the rays that count it, [first, last), less first_ray
 
     SweepAxis(int voxels, double slope_per_slice, int slices);
-
-    /// For a ray at `x` voxels from the voxel centres' origin on the start face; need not be a whole number.
-    SidePass pass(double x) const;
 };
 
 /// One slice, or its part between two lookups, and what is constant over it.
@@ -45,6 +33,15 @@ struct SweepPiece {
     int slice;
     int shift_u, shift_v;  ///< voxel on a ray's low side = ray + shift
     std::int8_t weight[4]; ///< of the voxels (v, u), (v + 1, u), (v, u + 1), (v + 1, u + 1)
+};
+
+/// A whole line's pieces, cut at the slices of cells.
+struct SweepSlabs {
+    std::vector<SweepPiece> pieces;
+    std::vector<int> begin;     ///< [slab]: its first piece; one slab up to each lookup and one for the rest behind it
+    std::vector<double> depths; ///< [slice of cells]
+
+    std::span<const SweepPiece> slab(int index) const;
 };
 
 /// A direction's axis and shear; w and −w have the same, but for the side that they point to.
@@ -66,12 +63,11 @@ struct SweepGeometry : SweepLine {
 
     /// The slices from one depth to another, cut there.
     std::vector<SweepPiece> pieces(double begin_depth, double end_depth) const;
+    /// With `cells` slices of cells, `cell_side` level voxels apart.
+    SweepSlabs slabs(int cells, double cell_side) const;
 };
 
 inline int u_axis_of(int axis) { return axis == 0 ? 1 : 0; }
 inline int v_axis_of(int axis) { return axis == 2 ? 1 : 2; }
-
-/// Weight that a ray from the start face has counted down to `depth`: whole slices count 127.
-std::int32_t weight_at(double depth);
 
 } // namespace lumisweep

@@ -11,6 +11,8 @@
 
 #include <cstdint>
 
+#include "lumisweep/visibility/sweep_optics.h"
+
 namespace lumisweep {
 
 /// Rays are marched in blocks of this many; rows of rays are padded to whole blocks.
@@ -22,8 +24,6 @@ inline constexpr int pair_row_margin = 2 * ray_block + 2 + 16;
 inline constexpr int march_slices = 8;
 /// Voxels repeated beyond each end of a pair row.
 inline constexpr int edge_voxels = 2;
-/// V during filtering: fixed point, this is 1 (sixteen times 255).
-inline constexpr int whole_visibility = 4080;
 
 /// What one slice adds to a row of rays.
 struct MarchRow {
@@ -60,9 +60,7 @@ struct SideRow {
     const float *end_low, *end_high;     ///< … and end
     const float *enter, *leave;          ///< [cell] depth at which its own column passes the sides
     const float* fraction;               ///< [cell] between the two columns
-    float row_begin[2], row_end[2];      ///< likewise for the two rows of rays, and the row of cells
-    float row_enter, row_leave;
-    float fraction_rows;
+    RowSides row;
     float depth;  ///< slices
     float weight; ///< of a ray from the start face at this depth
     float scale;  ///< natural optical depth × log2 e of one stored step over one slice
@@ -78,8 +76,7 @@ struct SweepKernels {
                   const MarchBlocks& blocks);
     /// tau[cell]: bilinear between four rays.
     void (*look_up)(float* tau, const LookupRow& row);
-    /// Factors that turn summed τ into the optical depth of a cell times log2 e: forwards, from the start face to the
-    /// cell, and backwards, from the cell to the other end.
+    /// SideFactors of each cell.
     void (*side_factors)(float* forwards, float* backwards, const SideRow& row);
     /// visibility[i] = 2^(−factor[i] · tau[i]), at most 1.
     void (*to_visibility)(std::uint16_t* visibility, const float* tau, const float* factor, int count);

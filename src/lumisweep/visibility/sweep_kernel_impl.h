@@ -1,6 +1,10 @@
 // Bodies of sweep_kernel.h, included by one file per instruction set after it has defined `Rays`, sixteen rays of one
 // parity, `store_lines`, `stream_lines`, `fence_lines` and LUMISWEEP_SWEEP_KERNELS with the table's name. Everything is
-// static and uses no inline function of any header: the linker must not mix instruction sets.
+// static and uses no inline function of any header but those that are always inlined, of what the GPU does, too: the
+// linker must not mix instruction sets.
+#include "lumisweep/visibility/sweep_box.h"
+#include "lumisweep/visibility/sweep_optics.h"
+
 namespace lumisweep {
 namespace {
 
@@ -73,14 +77,10 @@ inline __attribute__((always_inline)) void look_up_evenly(float* __restrict tau,
 {
     const std::int32_t *low = row.low + row.index[0], *low_next = row.low + row.next[0];
     const std::int32_t *high = row.high + row.index[0], *high_next = row.high + row.next[0];
-    const float f = row.fraction[0], rest = 1.0F - f;
-    const float f_rows = row.fraction_rows, rest_rows = 1.0F - f_rows;
+    const float f = row.fraction[0], f_rows = row.fraction_rows;
     const int count = row.count;
-    for (int c = 0; c < count; ++c) {
-        const float below = static_cast<float>(low[step * c]) * rest + static_cast<float>(low_next[step * c]) * f;
-        const float above = static_cast<float>(high[step * c]) * rest + static_cast<float>(high_next[step * c]) * f;
-        tau[c] = below * rest_rows + above * f_rows;
-    }
+    for (int c = 0; c < count; ++c)
+        tau[c] = between_rays(low[step * c], low_next[step * c], high[step * c], high_next[step * c], f, f_rows);
 }
 
 /// Cells on neighbouring rays: two at a time, of which the first lies between rays k of either parity and the second
@@ -89,19 +89,14 @@ void look_up_neighbours(float* __restrict tau, const LookupRow& row)
 {
     const std::int32_t *low = row.low + row.index[0], *low_next = row.low + row.next[0];
     const std::int32_t *high = row.high + row.index[0], *high_next = row.high + row.next[0];
-    const float f = row.fraction[0], rest = 1.0F - f;
-    const float f_rows = row.fraction_rows, rest_rows = 1.0F - f_rows;
-    const auto mix = [&](std::int32_t a, std::int32_t b) __attribute__((always_inline))
-    {
-        return static_cast<float>(a) * rest + static_cast<float>(b) * f;
-    };
+    const float f = row.fraction[0], f_rows = row.fraction_rows;
     const int pairs = row.count / 2;
     for (int k = 0; k < pairs; ++k) {
-        tau[2 * k] = mix(low[k], low_next[k]) * rest_rows + mix(high[k], high_next[k]) * f_rows;
-        tau[2 * k + 1] = mix(low_next[k], low[k + 1]) * rest_rows + mix(high_next[k], high[k + 1]) * f_rows;
+        tau[2 * k] = between_rays(low[k], low_next[k], high[k], high_next[k], f, f_rows);
+        tau[2 * k + 1] = between_rays(low_next[k], low[k + 1], high_next[k], high[k + 1], f, f_rows);
     }
     if (row.count % 2 != 0)
-        tau[2 * pairs] = mix(low[pairs], low_next[pairs]) * rest_rows + mix(high[pairs], high_next[pairs]) * f_rows;
+        tau[2 * pairs] = between_rays(low[pairs], low_next[pairs], high[pairs], high_next[pairs], f, f_rows);
 }
 
 void look_up(float* __restrict tau, const LookupRow& row)
@@ -115,53 +110,24 @@ void look_up(float* __restrict tau, const LookupRow& row)
     }
     const std::int32_t *low = row.low, *high = row.high, *index = row.index, *next = row.next;
     const float* fraction = row.fraction;
-    const float f_rows = row.fraction_rows, rest_rows = 1.0F - f_rows;
+    const float f_rows = row.fraction_rows;
     const int count = row.count;
-    for (int c = 0; c < count; ++c) {
-        const float f = fraction[c], rest = 1.0F - f;
-        const float below = static_cast<float>(low[index[c]]) * rest + static_cast<float>(low[next[c]]) * f;
-        const float above = static_cast<float>(high[index[c]]) * rest + static_cast<float>(high[next[c]]) * f;
-        tau[c] = below * rest_rows + above * f_rows;
-    }
-}
-
-inline __attribute__((always_inline)) float lesser(float a, float b) { return a < b ? a : b; }
-inline __attribute__((always_inline)) float greater(float a, float b) { return a > b ? a : b; }
-/// part / weight, 0 where nothing was counted.
-inline __attribute__((always_inline)) float per_weight(float part, float weight)
-{
-    const float quotient = greater(part, 0.0F) / greater(weight, 1e-3F); // weights are whole numbers in [0, 1] parts
-    return weight > 0.0F ? quotient : 0.0F;
+    for (int c = 0; c < count; ++c)
+        tau[c] = between_rays(low[index[c]], low[next[c]], high[index[c]], high[next[c]], fraction[c], f_rows);
 }
 
 void side_factors(float* __restrict forwards, float* __restrict backwards, const SideRow& row)
 {
     const int count = row.count;
-    const float f_rows = row.fraction_rows, rest_rows = 1.0F - f_rows;
+    const RowSides row_sides = row.row;
     const float depth = row.depth, weight = row.weight, scale = row.scale;
-    const float row_begin0 = row.row_begin[0], row_begin1 = row.row_begin[1];
-    const float row_end0 = row.row_end[0], row_end1 = row.row_end[1];
-    const float row_enter = row.row_enter, row_leave = row.row_leave;
     const float *begin_low = row.begin_low, *begin_high = row.begin_high, *end_low = row.end_low;
     const float *end_high = row.end_high, *enter = row.enter, *leave = row.leave, *fraction = row.fraction;
     for (int c = 0; c < count; ++c) {
-        const float f = fraction[c], rest = 1.0F - f;
-        const float begin0 = greater(begin_low[c], row_begin0), begin1 = greater(begin_high[c], row_begin0);
-        const float begin2 = greater(begin_low[c], row_begin1), begin3 = greater(begin_high[c], row_begin1);
-        const float end0 = lesser(end_low[c], row_end0), end1 = lesser(end_high[c], row_end0);
-        const float end2 = lesser(end_low[c], row_end1), end3 = lesser(end_high[c], row_end1);
-        const float until0 = greater(lesser(end0, weight) - begin0, 0.0F);
-        const float until1 = greater(lesser(end1, weight) - begin1, 0.0F);
-        const float until2 = greater(lesser(end2, weight) - begin2, 0.0F);
-        const float until3 = greater(lesser(end3, weight) - begin3, 0.0F);
-        const float from0 = greater(end0 - greater(begin0, weight), 0.0F);
-        const float from1 = greater(end1 - greater(begin1, weight), 0.0F);
-        const float from2 = greater(end2 - greater(begin2, weight), 0.0F);
-        const float from3 = greater(end3 - greater(begin3, weight), 0.0F);
-        const float until = (until0 * rest + until1 * f) * rest_rows + (until2 * rest + until3 * f) * f_rows;
-        const float from = (from0 * rest + from1 * f) * rest_rows + (from2 * rest + from3 * f) * f_rows;
-        forwards[c] = per_weight(depth - greater(enter[c], row_enter), until) * scale;
-        backwards[c] = per_weight(lesser(leave[c], row_leave) - depth, from) * scale;
+        const SideFactors factors = side_factors_of(begin_low[c], begin_high[c], end_low[c], end_high[c], enter[c],
+                                                    leave[c], fraction[c], row_sides, depth, weight, scale);
+        forwards[c] = factors.forwards;
+        backwards[c] = factors.backwards;
     }
 }
 
@@ -173,25 +139,10 @@ inline __attribute__((always_inline)) float opaque(float constant)
     return constant;
 }
 
-/// 2^−y in whole_visibility, at most 1; 0 from y = most = 30 on. Relative error below 8e−5.
-inline __attribute__((always_inline)) std::uint16_t fixed_visibility(float y, float most)
-{
-    const float bounded = lesser(y, most);
-    const int whole = static_cast<int>(bounded + 0.5F);  // below 0 by no more than rounding
-    const float f = static_cast<float>(whole) - bounded; // −1/2 … 1/2
-    // 2^f by the cubic of least relative error.
-    float p = 0.05517167F * whole_visibility;
-    p = p * f + 0.24261112F * whole_visibility;
-    p = p * f + 0.69326099F * whole_visibility;
-    p = p * f + 0.99992807F * whole_visibility;
-    const int v = static_cast<int>(__builtin_bit_cast(float, __builtin_bit_cast(int, p) - (whole << 23)) + 0.5F);
-    return static_cast<std::uint16_t>(v < whole_visibility ? v : whole_visibility);
-}
-
 void to_visibility(std::uint16_t* __restrict visibility, const float* __restrict tau, const float* __restrict factor,
                    int count)
 {
-    const float most = opaque(30.0F);
+    const float most = opaque(most_depth);
     for (int i = 0; i < count; ++i)
         visibility[i] = fixed_visibility(tau[i] * factor[i], most);
 }
@@ -199,7 +150,7 @@ void to_visibility(std::uint16_t* __restrict visibility, const float* __restrict
 void to_visibility_of_rest(std::uint16_t* __restrict visibility, const float* __restrict total,
                            const float* __restrict tau, const float* __restrict factor, int count)
 {
-    const float most = opaque(30.0F);
+    const float most = opaque(most_depth);
     for (int i = 0; i < count; ++i)
         visibility[i] = fixed_visibility((total[i] - tau[i]) * factor[i], most);
 }
@@ -216,7 +167,7 @@ struct Whole {
 };
 struct Shifted {
     int shift, half;
-    std::uint16_t operator()(std::uint16_t v) const { return static_cast<std::uint16_t>((v + half) >> shift); }
+    std::uint16_t operator()(std::uint16_t v) const { return shifted_visibility(v, shift, half); }
 };
 
 template <class Value>
@@ -237,18 +188,13 @@ void slide(std::uint16_t* __restrict sums, const std::uint16_t* __restrict enter
         slide_by(Shifted{shift, (1 << shift) >> 1}, sums, entering, leaving, count);
 }
 
-inline __attribute__((always_inline)) std::uint16_t high_product(std::uint16_t a, std::uint16_t b)
-{
-    return static_cast<std::uint16_t>((static_cast<std::uint32_t>(a) * b) >> 16);
-}
-
 void box_mean(std::uint16_t* __restrict out, const std::uint16_t* __restrict whole, const std::uint16_t* __restrict low,
               const std::uint16_t* __restrict high, const std::uint16_t* __restrict scale_whole,
               const std::uint16_t* __restrict scale_ends, int count)
 {
     for (int i = 0; i < count; ++i) {
         const auto ends = static_cast<std::uint16_t>(low[i] + high[i]);
-        out[i] = static_cast<std::uint16_t>(high_product(whole[i], scale_whole[i]) + high_product(ends, scale_ends[i]));
+        out[i] = BoxScales{scale_whole[i], scale_ends[i]}.mean(whole[i], ends);
     }
 }
 
@@ -260,7 +206,7 @@ box_mean_by(Value value, std::uint16_t* __restrict out, const std::uint16_t* __r
 {
     for (int i = 0; i < count; ++i) {
         const auto ends = static_cast<std::uint16_t>(value(low[i]) + value(high[i]));
-        out[i] = static_cast<std::uint16_t>(high_product(whole[i], scale_whole) + high_product(ends, scale_ends));
+        out[i] = BoxScales{scale_whole, scale_ends}.mean(whole[i], ends);
     }
 }
 
@@ -278,7 +224,7 @@ void store(std::uint8_t* __restrict out, const std::uint16_t* __restrict in, int
 {
     const int done = store_lines(out, in, count);
     for (int i = done; i < count; ++i)
-        out[i] = static_cast<std::uint8_t>((in[i] + 8) >> 4);
+        out[i] = stored_visibility(in[i]);
 }
 
 void stream(float* __restrict out, const float* __restrict in, int count)

@@ -1,10 +1,8 @@
 #include "lumisweep/visibility/sweep_pair.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "lumisweep/base/stopwatch.h"
+#include "lumisweep/visibility/sweep_box.h"
+#include "lumisweep/visibility/sweep_optics.h"
 #include "lumisweep/visibility/transpose_block.h"
 
 namespace lumisweep {
@@ -15,18 +13,21 @@ void PairVisibility::Sides::place(const SweepAxis& axis, const CellPlaces& place
     for (std::vector<float>* list : {&begin_low, &begin_high, &end_low, &end_high, &enter, &leave})
         list->resize(count);
     const std::int32_t* rays = places.rays_of(slice);
-    const double depth = places.depths[static_cast<std::size_t>(slice)];
-    const double begin = 0.5 * cell_side - 0.5 - axis.slope * depth;
+    const CellRow cells(axis, cell_side, places.depths[static_cast<std::size_t>(slice)]);
     for (std::size_t c = 0; c < count; ++c) {
-        const std::size_t ray = static_cast<std::size_t>(rays[c]);
-        begin_low[c] = static_cast<float>(axis.begin[ray] * slice_weight);
-        begin_high[c] = static_cast<float>(axis.begin[ray + 1] * slice_weight);
-        end_low[c] = static_cast<float>(axis.end[ray] * slice_weight);
-        end_high[c] = static_cast<float>(axis.end[ray + 1] * slice_weight);
-        const SidePass pass = axis.pass(begin + static_cast<double>(c) * cell_side);
-        enter[c] = static_cast<float>(pass.enter);
-        leave[c] = static_cast<float>(pass.leave);
+        const CellSides sides = sides_of(axis, axis.begin.data(), axis.end.data(), cells, static_cast<int>(c), rays[c]);
+        begin_low[c] = sides.begin_low;
+        begin_high[c] = sides.begin_high;
+        end_low[c] = sides.end_low;
+        end_high[c] = sides.end_high;
+        enter[c] = sides.enter;
+        leave[c] = sides.leave;
     }
+}
+
+CellSides PairVisibility::Sides::of(std::size_t cell) const
+{
+    return {begin_low[cell], begin_high[cell], end_low[cell], end_high[cell], enter[cell], leave[cell]};
 }
 
 PairVisibility::PairVisibility(const MarchedLevel& level, const SweepKernels& kernels, double tan_beta,
@@ -82,8 +83,8 @@ void PairVisibility::look_up(RayPlane& plane, int slice, SweepStats& stats)
     const ProcessorStopwatch watch(stats.lookup_s);
     const SweepGeometry& g = plane.geometry();
     const CellPlaces &places_u = plane.places_u(), &places_v = plane.places_v();
-    u_.place(g.u, places_u, component(level_.cell_sides, u_axis_of(g.axis)), slice);
-    v_.place(g.v, places_v, component(level_.cell_sides, v_axis_of(g.axis)), slice);
+    u_.place(g.u, places_u, level_.cell_side(u_axis_of(g.axis)), slice);
+    v_.place(g.v, places_v, level_.cell_side(v_axis_of(g.axis)), slice);
     const double depth = places_u.depths[static_cast<std::size_t>(slice)];
     const float whole = static_cast<float>(g.slices * slice_weight);
     SideRow side{};
@@ -97,27 +98,17 @@ void PairVisibility::look_up(RayPlane& plane, int slice, SweepStats& stats)
     side.depth = static_cast<float>(depth);
     side.weight = static_cast<float>(weight_at(depth));
     side.count = cells_u_;
-    // Bounded, so that no extinction stays none even where the scale is infinite.
-    side.scale = static_cast<float>(std::min(level_.extinction_of_one * g.slice_world * std::numbers::log2e, 1e30));
-    // Rows of rays that run from one end to the other see the sides of u only.
-    side.row_begin[0] = side.row_begin[1] = side.row_enter = 0.0F;
-    side.row_end[0] = side.row_end[1] = whole;
-    side.row_leave = static_cast<float>(g.slices);
+    side.scale = optical_scale(level_.extinction_of_one, g.slice_world);
+    const float slices = static_cast<float>(g.slices);
+    side.row = no_row_sides(whole, slices);
     kernels_.side_factors(forwards_.data(), backwards_.data(), side);
 
     for (int row = 0; row < cells_v_; ++row) {
         const std::size_t r = static_cast<std::size_t>(row);
         const float *forwards = forwards_.data(), *backwards = backwards_.data();
-        if (v_.begin_low[r] > 0.0F || v_.begin_high[r] > 0.0F || v_.enter[r] > 0.0F || v_.end_low[r] < whole ||
-            v_.end_high[r] < whole || v_.leave[r] < side.row_leave) {
+        if (const CellSides sides = v_.of(r); sees_sides(sides, whole, slices)) {
             SideRow own = side;
-            own.row_begin[0] = v_.begin_low[r];
-            own.row_begin[1] = v_.begin_high[r];
-            own.row_end[0] = v_.end_low[r];
-            own.row_end[1] = v_.end_high[r];
-            own.row_enter = std::max(v_.enter[r], 0.0F);
-            own.row_leave = std::min(v_.leave[r], side.row_leave);
-            own.fraction_rows = places_v.fractions_of(slice)[row];
+            own.row = row_sides(sides, slices, places_v.fractions_of(slice)[row]);
             kernels_.side_factors(row_forwards_.data(), row_backwards_.data(), own);
             forwards = row_forwards_.data();
             backwards = row_backwards_.data();
@@ -141,8 +132,7 @@ void PairVisibility::emit(const SweepGeometry& g, AlignedArray<std::uint16_t>& s
     if (tan_beta_ > 0.0) {
         const ProcessorStopwatch watch(stats.filter_s);
         const auto box = [&](int axis) {
-            const double cell_world = component(level_.voxel_sides_world, axis) * component(level_.cell_sides, axis);
-            return 1.0 + distance * g.slice_world * tan_beta_ / cell_world;
+            return box_side(distance, g.slice_world, tan_beta_, level_.cell_side_world(axis));
         };
         filtered = filter_->apply(slice.data(), box(u_axis_of(g.axis)), box(v_axis_of(g.axis)));
     }

@@ -25,6 +25,7 @@ private:
     struct Sides {
         std::vector<float> begin_low, begin_high, end_low, end_high, enter, leave;
         void place(const SweepAxis& axis, const CellPlaces& places, double cell_side, int slice);
+        CellSides of(std::size_t cell) const;
     };
 
     void look_up(RayPlane& plane, int slice, SweepStats& stats);

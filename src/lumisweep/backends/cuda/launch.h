@@ -22,6 +22,13 @@
 #include "lumisweep/base/parallel.h"
 #endif
 
+/// Before a loop whose index must be constant, because it chooses among a thread's registers.
+#if defined(__CUDACC__)
+#define LUMISWEEP_UNROLL _Pragma("unroll")
+#else
+#define LUMISWEEP_UNROLL
+#endif
+
 namespace lumisweep::LUMISWEEP_CUDA {
 
 template <int thread_count>

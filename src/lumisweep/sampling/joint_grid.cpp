@@ -37,7 +37,7 @@ JointView joint_shape(Vec3i cells, Vec3i volume_size, int directions_per_side)
 {
     JointView shape;
     shape.levels = std::countr_zero(static_cast<unsigned>(directions_per_side));
-    shape.node_count = joint_nodes(shape.levels);
+    shape.node_count = joint_level(4 * directions_per_side * directions_per_side);
     shape.cells = cells;
     shape.cells_per_voxel = {static_cast<float>(cells.x) / static_cast<float>(volume_size.x),
                              static_cast<float>(cells.y) / static_cast<float>(volume_size.y),
@@ -47,8 +47,8 @@ JointView joint_shape(Vec3i cells, Vec3i volume_size, int directions_per_side)
 
 std::size_t JointGrid::bytes_needed(std::size_t cell_count, int directions_per_side)
 {
-    const int levels = std::countr_zero(static_cast<unsigned>(directions_per_side));
-    return cell_count * sizeof(float) * (1 + static_cast<std::size_t>(joint_nodes(levels)));
+    const int node_count = joint_level(4 * directions_per_side * directions_per_side);
+    return cell_count * sizeof(float) * (1 + static_cast<std::size_t>(node_count));
 }
 
 void JointGrid::require_indexable(std::size_t cell_count, int directions_per_side)

@@ -19,7 +19,7 @@ struct JointView {
     Vec3f cells_per_voxel{0.0F, 0.0F, 0.0F};
 };
 
-/// Nodes of a cell: 4 + 16 + … + 4^levels.
-LUMISWEEP_HD constexpr int joint_nodes(int levels) { return ((1 << (2 * levels + 2)) - 4) / 3; }
+/// Where in a cell's nodes the level of 4^l = `nodes` of them begins; of 4 · directions it is node_count.
+LUMISWEEP_HD constexpr int joint_level(int nodes) { return (nodes - 4) / 3; }
 
 } // namespace lumisweep

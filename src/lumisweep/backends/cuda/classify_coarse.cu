@@ -38,17 +38,16 @@ private:
     /// Of the thread's share of the block's finest voxels, all in one level voxel.
     LUMISWEEP_HD std::uint64_t sum_of(const Vec3i& block, int thread) const
     {
-        const int level = work.mip_level, side = 1 << level;
+        const int level = work.mip_level;
         const Vec3i n = work.volume_size;
-        const int first = block.x * (level_voxels << level), end = min(first + (level_voxels << level), n.x);
+        const int first_x = block.x * (level_voxels << level), end_x = min(first_x + (level_voxels << level), n.x);
+        const int first_y = block.y << level, height = min(1 << level, n.y - first_y);
+        const int first_z = block.z << level, depth = min(1 << level, n.z - first_z);
         std::uint64_t sum = 0;
-        for (int r = thread / columns; r < 1 << (2 * level); r += rows_at_a_time) {
-            const int y = (block.y << level) + (r & (side - 1)), z = (block.z << level) + (r >> level);
-            if (y >= n.y || z >= n.z)
-                continue;
-            const T* row = finest_row<T>(work, y, z);
-            for (int x = first + 4 * (thread % columns); x < end; x += voxels_at_a_time)
-                sum += sum_of_four(row + x, end - x);
+        for (int r = thread / columns; r < height * depth; r += rows_at_a_time) {
+            const T* row = finest_row<T>(work, first_y + r % height, first_z + r / height);
+            for (int x = first_x + 4 * (thread % columns); x < end_x; x += voxels_at_a_time)
+                sum += sum_of_four(row + x, end_x - x);
         }
         return sum;
     }

@@ -44,11 +44,11 @@ private:
     /// Of level `level`, with the same parent m.
     LUMISWEEP_HD Siblings* siblings(float* nodes, int cell, int level, int m) const
     {
-        return reinterpret_cast<Siblings*>(nodes + cell * node_count + joint_nodes(level - 1) + 4 * m);
+        return reinterpret_cast<Siblings*>(nodes + cell * node_count + joint_level(1 << (2 * level)) + 4 * m);
     }
     LUMISWEEP_HD void place_parent(float* nodes, int cell, int level, int m, const Siblings& children) const
     {
-        nodes[cell * node_count + joint_nodes(level - 2) + m] = children.mean();
+        nodes[cell * node_count + joint_level(1 << (2 * level - 2)) + m] = children.mean();
     }
 
     /// J of all directions, and their parents.
@@ -126,7 +126,7 @@ void launch_joint(const DeviceJointWork& work, const Stream& stream)
     }
     // As many cells as have up to 43 KB of nodes, and no more than keep all threads busy.
     constexpr int log_cells[] = {0, 9, 8, 6, 5, 3};
-    const int log_count = log_cells[work.levels], node_count = joint_nodes(work.levels);
+    const int log_count = log_cells[work.levels], node_count = joint_level(4 << (2 * work.levels));
     launch("the joint grid", stream, {pieces(work.cell_count, 1 << log_count), 1, 1},
            (node_count << log_count) * static_cast<int>(sizeof(float)), BuildJoint{work, log_count, node_count});
 }

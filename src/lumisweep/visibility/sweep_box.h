@@ -21,7 +21,7 @@ LUMISWEEP_HD std::uint16_t high_product(std::uint16_t a, std::uint16_t b)
 }
 
 /// Weights, in 1/65536, of the cells wholly inside of a box and of the two at its ends.
-struct BoxScales {
+struct alignas(4) BoxScales {
     std::uint16_t whole, ends;
 
     /// From the sum of the cells wholly inside and of the two at the ends; each product is rounded down.

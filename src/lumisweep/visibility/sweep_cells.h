@@ -48,7 +48,7 @@ LUMISWEEP_HD std::int32_t weight_at(double depth)
 /// The depth of the k-th slice of cells.
 LUMISWEEP_HD double lookup_depth(int k, double cell_side) { return (k + 0.5) * cell_side; }
 
-struct CellPlace {
+struct alignas(8) CellPlace {
     std::int32_t ray; ///< beside the cell on its low side, less first_ray
     float fraction;   ///< towards the next ray
 };
@@ -84,7 +84,7 @@ private:
 
 /// The box's sides as a column of cells sees them: the weights (weight_at) at which the rays on its low and high side
 /// begin and end to count, and the depths at which the column itself passes the sides.
-struct CellSides {
+struct alignas(8) CellSides {
     float begin_low, begin_high, end_low, end_high, enter, leave;
 };
 

@@ -23,13 +23,15 @@ constexpr int stage_pieces = 2;
 constexpr int window_chunks = (15 + tile_u + 1 + 15) / 16, window_row = 16 * window_chunks;
 constexpr int window_rows = tile_v + 1, window_bytes = window_rows * window_row;
 
-/// Shared memory. Pieces are known a stage before their voxels are fetched, so there are three stages of them.
-constexpr int pieces_at = 2 * stage_pieces * window_bytes, piece_stages = 3;
+/// Shared memory. Pieces are known a stage before their voxels are fetched: three stages of them are in use, and a
+/// power of two makes remainders cheap.
+constexpr int pieces_at = 2 * stage_pieces * window_bytes, piece_stages = 4;
 constexpr int exchange_at = pieces_at + piece_stages * stage_pieces * static_cast<int>(sizeof(MarchPiece));
 /// Even and odd rays apart, so that cells two rays apart read neighbours; in different banks, for cells one ray apart.
 constexpr int odd_rays = tile_v * tile_u / 2 + 16;
 constexpr int range_at = exchange_at + 4 * (2 * odd_rays - 16);
 constexpr int march_shared_bytes = range_at + 16;
+static_assert((stage_pieces & (stage_pieces - 1)) == 0 && warps % stage_pieces == 0);
 static_assert(window_bytes % 16 == 0 && exchange_at % 16 == 0 && range_at % 16 == 0);
 
 LUMISWEEP_HD int between(int x, int low, int high) { return x < low ? low : x > high ? high : x; }
@@ -185,8 +187,9 @@ private:
             }
             if (piece >= tile.end)
                 break;
-            const int in_range = piece - tile.first, stage = in_range / stage_pieces;
-            if (in_range % stage_pieces == 0) {
+            const int in_range = piece - tile.first;
+            if ((in_range & (stage_pieces - 1)) == 0) {
+                const int stage = in_range / stage_pieces;
                 block.run([](int) { wait_for_copies<0>(); });
                 exchange_is_read = false;
                 block.run_apart([&](int thread) {
@@ -207,11 +210,11 @@ private:
 
     LUMISWEEP_HD static MarchPiece* piece_in_range(const Block<threads>& block, int in_range)
     {
-        return block.shared<MarchPiece>(pieces_at) + in_range % (piece_stages * stage_pieces);
+        return block.shared<MarchPiece>(pieces_at) + (in_range & (piece_stages * stage_pieces - 1));
     }
     LUMISWEEP_HD static std::uint8_t* window_in_range(const Block<threads>& block, int in_range)
     {
-        return block.shared<std::uint8_t>(in_range % (2 * stage_pieces) * window_bytes);
+        return block.shared<std::uint8_t>((in_range & (2 * stage_pieces - 1)) * window_bytes);
     }
 
     LUMISWEEP_HD static void copy_pieces(const Block<threads>& block, const Tile& tile, int thread, int stage)
@@ -261,15 +264,19 @@ private:
         const int offset = (row_margin + piece.voxel_u + tile.u) & 15;
         const std::uint32_t* words = reinterpret_cast<const std::uint32_t*>(window_in_range(block, in_range)) +
                                      warp * rows_a_warp * (window_row / 4) + lane + offset / 4;
-        if (piece.first_v <= row && piece.last_v >= row + rows_a_warp && piece.first_u <= tile.u &&
-            piece.last_u >= tile.u + tile_u)
-            add_piece<true>(piece, words, offset % 4, row, ray, sums);
+        // The same for a whole warp.
+        const bool all_rows = piece.first_v <= row && piece.last_v >= row + rows_a_warp;
+        if (piece.first_u <= tile.u && piece.last_u >= tile.u + tile_u)
+            all_rows ? add_piece<true, true>(piece, words, offset & 3, row, ray, sums)
+                     : add_piece<true, false>(piece, words, offset & 3, row, ray, sums);
         else
-            add_piece<false>(piece, words, offset % 4, row, ray, sums);
+            all_rows ? add_piece<false, true>(piece, words, offset & 3, row, ray, sums)
+                     : add_piece<false, false>(piece, words, offset & 3, row, ray, sums);
     }
 
-    /// `words`: the voxels beside the thread's first ray begin at byte `offset` of the first. all: all rays count.
-    template <bool all>
+    /// `words`: the voxels beside the thread's first ray begin at byte `offset` of the first. Whether all rays along u
+    /// and all rows of them count.
+    template <bool all_rays, bool all_rows>
     LUMISWEEP_HD static void add_piece(const MarchPiece& piece, const std::uint32_t* words, int offset, int row,
                                        int ray, RaySums& sums)
     {
@@ -277,7 +284,7 @@ private:
         std::uint32_t low[rays_a_thread], high[rays_a_thread];
         LUMISWEEP_UNROLL
         for (int i = 0; i < rays_a_thread; ++i) {
-            const bool counts = all || (ray + i >= piece.first_u && ray + i < piece.last_u);
+            const bool counts = all_rays || (ray + i >= piece.first_u && ray + i < piece.last_u);
             const int shift = i < 3 ? 8 * i : 16;
             low[i] = counts ? (piece.weights & 0xffffU) << shift : 0U;
             high[i] = counts ? piece.weights >> 16 << shift : 0U;
@@ -287,7 +294,7 @@ private:
             const std::uint32_t first = words[r * (window_row / 4)], second = words[r * (window_row / 4) + 1];
             const std::uint32_t a = bytes_from(first, second, offset), b = bytes_from(first, second, offset + 1);
             const auto add = [&](const std::uint32_t(&weights)[rays_a_thread], int to) {
-                if (!all && (row + to < piece.first_v || row + to >= piece.last_v))
+                if (!all_rows && (row + to < piece.first_v || row + to >= piece.last_v))
                     return;
                 LUMISWEEP_UNROLL
                 for (int i = 0; i < rays_a_thread; ++i)

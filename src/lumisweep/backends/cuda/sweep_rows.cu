@@ -7,11 +7,11 @@ namespace lumisweep::LUMISWEEP_CUDA {
 namespace {
 
 /// A row of cells as all of its cells see it.
-struct RowView {
-    RowSides sides;
-    std::int32_t ray;     ///< row on the low side
+struct alignas(16) RowView {
+    std::int32_t totals;  ///< where in the line's totals the row of rays on its low side begins
     float fraction;       ///< towards the next
     std::int32_t at_side; ///< whether it sees the sides of v
+    RowSides sides;
 };
 
 /// A block takes 2 · row_pairs rows of one slice of cells. V of two rows lies in one word of shared memory, so that a
@@ -21,7 +21,7 @@ struct MakeVisible {
     SweepBatch batch;
     int row_pairs;
 
-    /// The words of both directions and the rows.
+    /// Rows, then the words of both directions.
     static int shared_bytes(int row_pairs, int width)
     {
         return 2 * row_pairs * (width * 4 + static_cast<int>(sizeof(RowView)));
@@ -53,7 +53,7 @@ struct MakeVisible {
         const SliceView slice = batch.scratch.slices[batch.scratch.slice(at.line, at.w)];
         block.run([&](int thread) {
             for (int r = thread; r < 2 * row_pairs && at.first_row + r < at.view.v.cells; r += threads)
-                rows_of(block, at)[r] = row_view(at, at.first_row + r);
+                block.shared<RowView>()[r] = row_view(at, at.first_row + r);
         });
         block.run([&](int thread) {
             const Share share(thread, at.view.u.cells);
@@ -71,11 +71,8 @@ struct MakeVisible {
 private:
     LUMISWEEP_HD std::uint32_t* words_of(const Block<threads>& block, const Place& at, int side) const
     {
-        return block.shared<std::uint32_t>() + side * row_pairs * at.view.u.cells;
-    }
-    LUMISWEEP_HD RowView* rows_of(const Block<threads>& block, const Place& at) const
-    {
-        return block.shared<RowView>(8 * row_pairs * at.view.u.cells);
+        return block.shared<std::uint32_t>(2 * row_pairs * static_cast<int>(sizeof(RowView))) +
+               side * row_pairs * at.view.u.cells;
     }
 
     LUMISWEEP_HD float whole(const Place& at) const { return static_cast<float>(at.view.slices * slice_weight); }
@@ -86,8 +83,8 @@ private:
         const CellPlace place = batch.scratch.places[index];
         const CellSides sides = batch.scratch.sides[index];
         const float slices = static_cast<float>(at.view.slices);
-        return {row_sides(sides, slices, place.fraction), place.ray, place.fraction,
-                sees_sides(sides, whole(at), slices) ? 1 : 0};
+        return {place.ray * at.view.u.ray_count, place.fraction, sees_sides(sides, whole(at), slices) ? 1 : 0,
+                row_sides(sides, slices, place.fraction)};
     }
 
     /// V of a column of cells in all rows.
@@ -103,24 +100,26 @@ private:
                                    sides.leave, place.fraction, row, slice.depth, slice.weight, slice.scale);
         };
         const SideFactors inside = factors_of(no_row_sides(whole(at), static_cast<float>(at.view.slices)));
-        const int width = at.view.u.cells;
+        const int width = at.view.u.cells, pitch = SweepScratch::tau_pitch(width);
+        const float* tau = scratch.tau_row(at.view, at.line, at.w, at.first_row) + cell;
+        const std::int32_t* totals = scratch.totals_row(at.view, at.line, 0) + place.ray;
         for (int pair = share.group; pair < row_pairs; pair += share.groups) {
             std::uint32_t low = 0, high = 0;
             for (int odd = 0; odd < 2; ++odd) {
                 const int r = 2 * pair + odd;
                 if (at.first_row + r >= at.view.v.cells)
                     break;
-                const RowView row = rows_of(block, at)[r];
+                const RowView row = block.shared<RowView>()[r];
                 const SideFactors factors = row.at_side != 0 ? factors_of(row.sides) : inside;
-                const float tau = scratch.tau_row(at.view, at.line, at.w, at.first_row + r)[cell];
+                const float until = tau[r * pitch];
                 if (at.view.direction[0] >= 0)
-                    low |= std::uint32_t{fixed_visibility(tau * factors.forwards, most_depth)} << (16 * odd);
+                    low |= std::uint32_t{fixed_visibility(until * factors.forwards, most_depth)} << (16 * odd);
                 if (at.view.direction[1] >= 0) {
-                    const std::int32_t* below = scratch.totals_row(at.view, at.line, row.ray) + place.ray;
+                    const std::int32_t* below = totals + row.totals;
                     const std::int32_t* above = below + at.view.u.ray_count;
                     const float total =
                         between_rays(below[0], below[1], above[0], above[1], place.fraction, row.fraction);
-                    high |= std::uint32_t{fixed_visibility((total - tau) * factors.backwards, most_depth)}
+                    high |= std::uint32_t{fixed_visibility((total - until) * factors.backwards, most_depth)}
                             << (16 * odd);
                 }
             }

@@ -10,7 +10,7 @@
 namespace lumisweep::LUMISWEEP_CUDA {
 
 /// The filter's box in one slice of cells along one axis; reach −1: nothing to filter.
-struct BoxView {
+struct alignas(8) BoxView {
     std::int32_t reach, shift;
 };
 

@@ -48,6 +48,9 @@ TransferFunction::TransferFunction(std::vector<TransferPoint> points, double ext
     : points_(std::move(points)), extinction_scale_(extinction_scale)
 {
     validate(points_, extinction_scale_);
+    extinction_points_.reserve(points_.size());
+    for (const TransferPoint& point : points_)
+        extinction_points_.push_back({point.value, point.extinction});
     build_tables();
 }
 
@@ -115,49 +118,27 @@ TransferFunction::Material TransferFunction::evaluate(double value) const
 {
     if (std::isnan(value))
         return {0.0, points_.front().albedo};
-    const auto after = std::upper_bound(points_.begin(), points_.end(), value,
-                                        [](double v, const TransferPoint& p) { return v < p.value; });
-    if (after == points_.begin() || after == points_.end()) {
-        const TransferPoint& p = after == points_.begin() ? points_.front() : points_.back();
-        return {p.extinction * extinction_scale_, p.albedo};
-    }
-    const TransferPoint& a = after[-1];
-    const TransferPoint& b = after[0];
-    const double t = (value - a.value) / (b.value - a.value);
-    return {(a.extinction + (b.extinction - a.extinction) * t) * extinction_scale_,
-            a.albedo + (b.albedo - a.albedo) * t};
+    const PointsView tf = points_view();
+    const int segment = points_up_to(tf, value);
+    const double extinction = extinction_in_segment(tf, segment, value);
+    if (segment == 0 || segment == tf.count)
+        return {extinction, segment == 0 ? points_.front().albedo : points_.back().albedo};
+    const Vec3d& a = points_[static_cast<std::size_t>(segment - 1)].albedo;
+    const Vec3d& b = points_[static_cast<std::size_t>(segment)].albedo;
+    return {extinction, a + (b - a) * fraction_in_segment(tf, segment, value)};
 }
 
 double TransferFunction::max_extinction(double low, double high) const
 {
-    if (!(low <= high))
-        return 0.0;
-    double result = std::max(evaluate(low).extinction, evaluate(high).extinction);
-    auto p = std::lower_bound(points_.begin(), points_.end(), low,
-                              [](const TransferPoint& point, double v) { return point.value < v; });
-    for (; p != points_.end() && p->value <= high; ++p)
-        result = std::max(result, p->extinction * extinction_scale_);
-    return result;
+    return lumisweep::max_extinction(points_view(), low, high);
 }
 
 double TransferFunction::min_extinction(double low, double high) const
 {
-    if (!(low <= high))
-        return 0.0;
-    double result = std::min(evaluate(low).extinction, evaluate(high).extinction);
-    for (const TransferPoint& point : points_)
-        if (low <= point.value && point.value <= high)
-            result = std::min(result, point.extinction * extinction_scale_);
-    return result;
+    return lumisweep::min_extinction(points_view(), low, high);
 }
 
-double TransferFunction::lookup_error(double value) const
-{
-    const auto after = std::upper_bound(points_.begin(), points_.end(), value,
-                                        [](double v, const TransferPoint& p) { return v < p.value; });
-    const bool flat = after == points_.begin() || after == points_.end();
-    return flat ? 0.0 : 1e-6 * after[-1].extinction * extinction_scale_;
-}
+double TransferFunction::lookup_error(double value) const { return lumisweep::lookup_error(points_view(), value); }
 
 TransferFunctionView TransferFunction::view(double slope, double intercept) const
 {

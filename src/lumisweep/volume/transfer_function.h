@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lumisweep/math/vec.h"
+#include "lumisweep/volume/transfer_points_view.h"
 
 namespace lumisweep {
 
@@ -45,11 +46,17 @@ public:
 
     /// Tables that kernels read, for raw voxels with value = slope · raw + intercept. Valid while this object lives.
     TransferFunctionView view(double slope, double intercept) const;
+    /// Values and extinctions of the points. Valid while this object lives.
+    PointsView points_view() const
+    {
+        return {extinction_points_.data(), static_cast<int>(extinction_points_.size()), extinction_scale_};
+    }
 
 private:
     void build_tables();
 
     std::vector<TransferPoint> points_;
+    std::vector<TransferPointView> extinction_points_; // of points_, without albedo
     double extinction_scale_ = 1.0;
     std::vector<float> table_; // as in TransferFunctionView
     std::vector<std::int32_t> hints_;

@@ -110,7 +110,7 @@ TEST(MajorantGridTest, NotANumberIsEmpty)
     for (std::size_t i = 0; i < grid.voxel_count(); ++i)
         grid.voxels<float>()[i] = nan;
     const BoundsGrid bounds(grid);
-    EXPECT_TRUE(bounds.range().empty());
+    EXPECT_TRUE(bounds.whole().range.empty());
     const MajorantGrid majorants(bounds, TransferFunction({{0.0, 5.0}}));
     for (int i = 0; i < 125; ++i)
         EXPECT_EQ(bound_at(majorants.view(), i % 5, i / 5 % 5, i / 25), 0.0F);

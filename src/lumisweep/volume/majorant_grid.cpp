@@ -1,8 +1,6 @@
 #include "lumisweep/volume/majorant_grid.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <vector>
 
 #include "lumisweep/base/parallel.h"
@@ -25,12 +23,6 @@ Vec3i majorant_blocks(const Vec3i& volume_size)
 
 namespace {
 
-constexpr std::uint8_t farthest = first_majorant_code - 1;
-
-/// A block is crossed at once where that costs no more than this many tentative collisions more than cell by cell:
-/// about what the steps from cell to cell take.
-constexpr double spare_collisions = 1.0;
-
 std::size_t count(const Vec3i& n)
 {
     return static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z);
@@ -38,8 +30,29 @@ std::size_t count(const Vec3i& n)
 
 } // namespace
 
+bool is_thin(const WholeBounds& bounds, const FilledBlocks& filled, float largest)
+{
+    const double mean = static_cast<double>(filled.steps) * majorant_step * static_cast<double>(largest) /
+                        (static_cast<double>(filled.count) * majorant_block_cells);
+    return filled.count > 0 && mean * bounds.diagonal <= thin_medium && !bounds.has_gaps;
+}
+
+MajorantView majorant_layout(const Vec3i& volume_size)
+{
+    // A side of n voxels takes floor(log2 n) bits, so volumes of less than 2³¹ voxels fit.
+    const auto bits = [](int n) { return bits_of(static_cast<std::uint32_t>(n - 1)); };
+    const Vec3i blocks = majorant_blocks(volume_size);
+    MajorantView view;
+    view.size = majorant_cells(volume_size);
+    view.stride_y = blocks.x;
+    view.stride_z = blocks.x * blocks.y;
+    view.shift_y = bits(view.size.x);
+    view.shift_z = bits(view.size.x) + bits(view.size.y);
+    return view;
+}
+
 MajorantGrid::MajorantGrid(const BoundsGrid& bounds, const TransferFunction& transfer_function)
-    : volume_size_(bounds.volume_size()), cells_(bounds.blocks() * majorant_block_cells, Contents::uninitialised),
+    : volume_size_(bounds.whole().volume_size), cells_(bounds.blocks() * majorant_block_cells, Contents::uninitialised),
       blocks_(bounds.blocks(), Contents::uninitialised)
 {
     fill(bounds, transfer_function);
@@ -53,75 +66,59 @@ std::uint64_t MajorantGrid::bytes_needed(const Vec3i& volume_size)
 
 MajorantView MajorantGrid::view() const
 {
-    // A side of n voxels takes floor(log2 n) bits, so volumes of less than 2³¹ voxels fit.
-    const auto bits = [](int n) { return static_cast<int>(std::bit_width(static_cast<unsigned>(n - 1))); };
-    const Vec3i cells = majorant_cells(volume_size_), blocks = majorant_blocks(volume_size_);
-    return {blocks_.data(),
-            cells_.data(),
-            cells,
-            blocks.x,
-            blocks.x * blocks.y,
-            bits(cells.x),
-            bits(cells.x) + bits(cells.y),
-            largest_,
-            smallest_.data()};
+    MajorantView view = majorant_layout(volume_size_);
+    view.blocks = blocks_.data();
+    view.cells = cells_.data();
+    view.largest = largest_;
+    view.smallest = smallest_.data();
+    return view;
 }
 
-/// Codes of cells and blocks; empty blocks are left at `farthest`.
+/// Codes of cells and blocks; empty blocks are left at `empty_block`.
 void MajorantGrid::fill(const BoundsGrid& bounds, const TransferFunction& transfer_function)
 {
-    const ExtinctionCodes extinction(bounds, transfer_function);
+    const ExtinctionCodes extinction(bounds.whole(), transfer_function);
+    const ExtinctionCodesView codes = extinction.view();
     largest_ = extinction.largest();
-    std::array<float, last_majorant_code + 1> majorant{};
-    for (int code = first_majorant_code; code <= last_majorant_code; ++code)
-        majorant[static_cast<std::size_t>(code)] = majorant_of_code<float>(code, largest_);
-    const auto spare = static_cast<float>(majorant_block_cells * spare_collisions / bounds.block_side());
-    std::vector<float> sums(bounds.blocks());
+    std::vector<std::uint32_t> sums(bounds.blocks());
     parallel_for(
         std::size_t{0}, bounds.blocks(),
         [&](std::size_t block) {
             std::uint8_t& code = blocks_[block];
-            code = farthest;
-            if (extinction.largest_code(bounds.block(block)) == 0)
+            code = empty_block;
+            if (codes.largest_code(bounds.block(block)) == 0)
                 return;
             std::uint8_t* cells = cells_.data() + block * majorant_block_cells;
-            const BoundsGrid::Bounds* of_cells = bounds.cells(block);
+            const CellBounds* of_cells = bounds.cells(block);
             std::uint8_t largest = 0;
-            float sum = 0.0F;
+            std::uint32_t sum = 0;
             for (int i = 0; i < majorant_block_cells; ++i) {
-                cells[i] = extinction.largest_code(of_cells[i]);
+                cells[i] = codes.largest_code(of_cells[i]);
                 largest = std::max(largest, cells[i]);
-                sum += majorant[cells[i]];
+                sum += majorant_steps(cells[i]);
             }
             sums[block] = sum;
             if (largest != 0)
-                code = majorant[largest] * majorant_block_cells - sum <= spare ? largest : std::uint8_t{0};
+                code = code_of_block(largest, sum, largest_, bounds.whole().block_side);
         },
         64);
-    double sum = 0.0, filled = 0.0;
-    for (const float of_block : sums) {
-        sum += static_cast<double>(of_block);
-        filled += of_block > 0.0F ? majorant_block_cells : 0.0;
+    FilledBlocks filled;
+    for (const std::uint32_t of_block : sums) {
+        filled.steps += of_block;
+        filled.count += of_block > 0 ? 1 : 0;
     }
-    if (filled > 0.0 && sum * bounds.diagonal() <= thin_medium * filled && !bounds.has_gaps())
+    if (is_thin(bounds.whole(), filled, largest_))
         fill_smallest(bounds, transfer_function);
 }
 
 void MajorantGrid::fill_smallest(const BoundsGrid& bounds, const TransferFunction& transfer_function)
 {
     smallest_ = AlignedArray<std::uint8_t>(bounds.blocks());
-    const double codes_per_extinction = 256.0 / static_cast<double>(largest_) * (1.0 - 1e-5); // lookups round
+    const TransferPointsView points = transfer_function.points_view();
     parallel_for(
         std::size_t{0}, bounds.blocks(),
         [&](std::size_t block) {
-            const BoundsGrid::Bounds& b = bounds.block(block);
-            if (b.empty())
-                return;
-            const BoundsGrid::Values values = bounds.values(b.low, b.high);
-            const double smallest = transfer_function.min_extinction(values.low, values.high) -
-                                    transfer_function.lookup_error(values.low) -
-                                    1e-6 * static_cast<double>(largest_); // flanks from within the values
-            smallest_[block] = static_cast<std::uint8_t>(std::clamp(smallest * codes_per_extinction, 0.0, 255.0));
+            smallest_[block] = smallest_of_block(bounds.block(block), bounds.whole().scale, points, largest_);
         },
         256);
 }
@@ -134,12 +131,12 @@ void MajorantGrid::measure_empty_space()
     const std::ptrdiff_t nx = blocks.x, ny = blocks.y, rows = static_cast<std::ptrdiff_t>(blocks.z) * ny;
     std::vector<std::uint8_t> distance(blocks_.size());
     std::transform(blocks_.begin(), blocks_.end(), distance.begin(),
-                   [](std::uint8_t code) { return code == farthest ? farthest : std::uint8_t{0}; });
+                   [](std::uint8_t code) { return code == empty_block ? empty_block : std::uint8_t{0}; });
     std::vector<std::uint8_t> nearest(static_cast<std::size_t>(nx) + 2); // of the rows before, one to a side
     const auto pass = [&](std::ptrdiff_t direction) {
         for (std::ptrdiff_t i = 0; i < rows; ++i) {
             const std::ptrdiff_t row = direction > 0 ? i : rows - 1 - i, y = row % ny, z = row / ny;
-            std::fill(nearest.begin(), nearest.end(), farthest);
+            std::fill(nearest.begin(), nearest.end(), empty_block);
             const auto take = [&](std::ptrdiff_t dy, std::ptrdiff_t dz) {
                 if (y + dy < 0 || y + dy >= ny || z + dz < 0 || z + dz >= blocks.z)
                     return;
@@ -150,7 +147,7 @@ void MajorantGrid::measure_empty_space()
             };
             take(-1, -direction), take(0, -direction), take(1, -direction), take(-direction, 0);
             std::uint8_t* line = distance.data() + row * nx;
-            std::uint8_t before = farthest;
+            std::uint8_t before = empty_block;
             for (std::ptrdiff_t k = 0; k < nx; ++k) {
                 const std::ptrdiff_t x = direction > 0 ? k : nx - 1 - k;
                 const std::uint8_t* around = nearest.data() + x;
@@ -162,7 +159,7 @@ void MajorantGrid::measure_empty_space()
     pass(1);
     pass(-1);
     for (std::size_t i = 0; i < blocks_.size(); ++i)
-        if (blocks_[i] == farthest)
+        if (blocks_[i] == empty_block)
             blocks_[i] = distance[i];
 }
 

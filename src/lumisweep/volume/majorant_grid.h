@@ -7,6 +7,7 @@
 
 #include "lumisweep/base/aligned.h"
 #include "lumisweep/math/vec.h"
+#include "lumisweep/volume/cell_bounds.h"
 #include "lumisweep/volume/majorant_view.h"
 #include "lumisweep/volume/scalar_grid.h"
 #include "lumisweep/volume/transfer_function.h"
@@ -22,55 +23,40 @@ Vec3i majorant_blocks(const Vec3i& volume_size);
 /// without fill values.
 class BoundsGrid {
 public:
-    struct Bounds {
-        std::uint16_t low = 1, high = 0; ///< low > high where nothing is finite
-
-        bool empty() const { return low > high; }
-        void include(const Bounds& other);
-    };
-
     BoundsGrid() = default;
     explicit BoundsGrid(const ScalarGrid& volume);
 
-    const Vec3i& volume_size() const { return volume_size_; }
+    const WholeBounds& whole() const { return whole_; }
     std::size_t blocks() const { return blocks_.size(); }
-    const Bounds& block(std::size_t i) const { return blocks_[i]; }
+    const CellBounds& block(std::size_t i) const { return blocks_[i]; }
     /// Of its cells, in the order of MajorantView's.
-    const Bounds* cells(std::size_t block) const { return cells_.data() + block * majorant_block_cells; }
-    /// Of the whole volume.
-    const Bounds& range() const { return range_; }
-    struct Values {
-        double low, high; ///< data units
-    };
-    /// All that lookups in single precision can find between two bounds; of a bound and itself, among equal voxels.
-    Values values(double low, double high) const;
-    /// The side of a block in world units, the geometric mean of its three; the diagonal of the volume.
-    double block_side() const { return block_side_; }
-    double diagonal() const { return diagonal_; }
-    /// Some voxel is not finite, so extinction may be 0 within any bounds.
-    bool has_gaps() const { return has_gaps_; }
+    const CellBounds* cells(std::size_t block) const { return cells_.data() + block * majorant_block_cells; }
     std::size_t bytes() const { return cells_.bytes() + blocks_.bytes(); }
     static std::uint64_t bytes_needed(const Vec3i& volume_size);
 
 private:
     template <class Voxel>
-    void fill(const Voxel* voxels);
+    void fill(VoxelType type, const Voxel* voxels);
 
-    Vec3i volume_size_{0, 0, 0};
-    AlignedArray<Bounds> cells_, blocks_;
-    Bounds range_;
-    double raw(double bound) const;
-    double first_ = 0.0, step_ = 1.0, first_bound_ = 0.0; // raw = first + step · (bound − first bound), but for
-    double low_end_ = 0.0, high_end_ = 0.0;               // bounds 0 and 65535, the smallest and the largest value
-    double near_ = 0.0, far_ = 0.0; // sizes of numbers by which lookups round: within the steps, and at the ends
-    double slope_ = 1.0, intercept_ = 0.0, block_side_ = 1.0, diagonal_ = 0.0;
-    bool has_gaps_ = false;
+    AlignedArray<CellBounds> cells_, blocks_;
+    WholeBounds whole_;
 };
 
 /// Optical depth along the volume's diagonal, at the mean majorant of the blocks that are not empty, up to which a
 /// medium is thin: transmittance is then estimated by residual ratio tracking. In others that brings nothing
 /// (docs/results/transmittance.md).
 inline constexpr double thin_medium = 32.0;
+
+/// Sums over the blocks that are not empty.
+struct FilledBlocks {
+    std::uint64_t steps = 0; ///< of their cells' majorant_steps()
+    std::uint64_t count = 0;
+};
+/// Whether a medium has lower bounds of extinction as well as majorants.
+bool is_thin(const WholeBounds& bounds, const FilledBlocks& filled, float largest);
+
+/// A view of majorants for a volume of that size, but for their memory and the largest one.
+MajorantView majorant_layout(const Vec3i& volume_size);
 
 /// A strict upper bound of extinction within each cell, and where there is none; in thin media a lower bound as well.
 class MajorantGrid {

@@ -20,6 +20,8 @@ inline constexpr int majorant_block_cells = majorant_block * majorant_block * ma
 /// says that it is empty.
 inline constexpr int first_majorant_code = 32;
 inline constexpr int last_majorant_code = 255;
+/// Of a block with nothing but empty ones around it, the farthest distance; of every empty one before any is measured.
+inline constexpr std::uint8_t empty_block = first_majorant_code - 1;
 
 /// Memory: blocks [bz][by][bx] of the volume's cells, x fastest; cells [bz][by][bx][z][y][x], 64 to a block, 0 beyond
 /// the volume.

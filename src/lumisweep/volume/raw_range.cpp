@@ -62,7 +62,8 @@ RawRange raw_range(const ScalarGrid& volume)
     for (const RawRange& range : ranges)
         if (!range.empty())
             all = all.empty() ? range : RawRange{std::min(all.low, range.low), std::max(all.high, range.high)};
-    return all;
+    // Zeros of either sign become the one, whichever came first.
+    return {all.low + 0.0F, all.high + 0.0F};
 }
 
 } // namespace lumisweep

@@ -123,34 +123,15 @@ TransferFunction::Material TransferFunction::evaluate(double value) const
 
 double TransferFunction::max_extinction(double low, double high) const
 {
-    if (!(low <= high))
-        return 0.0;
-    double result = std::max(evaluate(low).extinction, evaluate(high).extinction);
-    auto p = std::lower_bound(points_.begin(), points_.end(), low,
-                              [](const TransferPoint& point, double v) { return point.value < v; });
-    for (; p != points_.end() && p->value <= high; ++p)
-        result = std::max(result, p->extinction * extinction_scale_);
-    return result;
+    return lumisweep::max_extinction(points_view(), low, high);
 }
 
 double TransferFunction::min_extinction(double low, double high) const
 {
-    if (!(low <= high))
-        return 0.0;
-    double result = std::min(evaluate(low).extinction, evaluate(high).extinction);
-    for (const TransferPoint& point : points_)
-        if (low <= point.value && point.value <= high)
-            result = std::min(result, point.extinction * extinction_scale_);
-    return result;
+    return lumisweep::min_extinction(points_view(), low, high);
 }
 
-double TransferFunction::lookup_error(double value) const
-{
-    const auto after = std::upper_bound(points_.begin(), points_.end(), value,
-                                        [](double v, const TransferPoint& p) { return v < p.value; });
-    const bool flat = after == points_.begin() || after == points_.end();
-    return flat ? 0.0 : 1e-6 * after[-1].extinction * extinction_scale_;
-}
+double TransferFunction::lookup_error(double value) const { return lumisweep::lookup_error(points_view(), value); }
 
 TransferFunctionView TransferFunction::view(double slope, double intercept) const
 {

@@ -52,8 +52,9 @@ TEST(CudaSession, LookingBetweenPassesChangesNothing)
                left_alone = test::cuda_session(test::two_step_ct());
     for (int i = 0; i < 40; ++i) {
         looked_at->render_pass();
-        if (i % 7 == 3)
-            EXPECT_GT(looked_at->film().color_sum()[0] + 1.0, 0.0);
+        if (i % 7 == 3) {
+            EXPECT_GE(looked_at->film().color_sum()[0], 0.0);
+        }
         left_alone->render_pass();
         EXPECT_EQ(looked_at->film().samples(), i + 1);
     }

@@ -7,7 +7,7 @@
 #include "backends/emulated_device.h"
 #include "lumisweep/volume/majorant_grid.h"
 
-namespace lumisweep::emulated_cuda {
+namespace lumisweep::LUMISWEEP_CUDA {
 namespace {
 
 void expect_equal(const ScalarGrid& volume)
@@ -76,4 +76,4 @@ TEST(DeviceBoundsTest, UploadNoVoxels)
 }
 
 } // namespace
-} // namespace lumisweep::emulated_cuda
+} // namespace lumisweep::LUMISWEEP_CUDA

@@ -14,7 +14,7 @@
 #include "lumisweep/visibility/extinction_grid.h"
 #include "visibility/generated_volumes.h"
 
-namespace lumisweep::emulated_cuda {
+namespace lumisweep::LUMISWEEP_CUDA {
 namespace {
 
 using namespace test;
@@ -169,4 +169,4 @@ TEST(DeviceClassifyTest, EmptyVolumesHaveNoScale)
 }
 
 } // namespace
-} // namespace lumisweep::emulated_cuda
+} // namespace lumisweep::LUMISWEEP_CUDA

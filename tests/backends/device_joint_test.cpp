@@ -11,7 +11,7 @@
 #include "lumisweep/backends/cuda/device_environment.h"
 #include "lumisweep/visibility/visibility_grid.h"
 
-namespace lumisweep::emulated_cuda {
+namespace lumisweep::LUMISWEEP_CUDA {
 namespace {
 
 VisibilityGrid random_visibility(Vec3i cells, int directions)
@@ -92,4 +92,4 @@ TEST(DeviceEnvironmentTest, HoldsItsLight)
 }
 
 } // namespace
-} // namespace lumisweep::emulated_cuda
+} // namespace lumisweep::LUMISWEEP_CUDA

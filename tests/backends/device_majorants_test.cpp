@@ -10,7 +10,7 @@
 #include "backends/emulated_device.h"
 #include "lumisweep/volume/majorant_grid.h"
 
-namespace lumisweep::emulated_cuda {
+namespace lumisweep::LUMISWEEP_CUDA {
 namespace {
 
 /// The points of a transfer function in the device's memory.
@@ -128,4 +128,4 @@ TEST(DeviceMajorantsTest, AnEditUploadsNothingAndTakesNoMemory)
 }
 
 } // namespace
-} // namespace lumisweep::emulated_cuda
+} // namespace lumisweep::LUMISWEEP_CUDA

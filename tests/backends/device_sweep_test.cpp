@@ -16,7 +16,7 @@
 #include "visibility/generated_volumes.h"
 #include "visibility/sweep_case.h"
 
-namespace lumisweep::emulated_cuda {
+namespace lumisweep::LUMISWEEP_CUDA {
 namespace {
 
 using namespace lumisweep::test;
@@ -261,4 +261,4 @@ TEST_F(DeviceSweeps, RefuseWhatDoesNotFit)
 }
 
 } // namespace
-} // namespace lumisweep::emulated_cuda
+} // namespace lumisweep::LUMISWEEP_CUDA

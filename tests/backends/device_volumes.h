@@ -10,7 +10,7 @@
 #include "lumisweep/backends/cuda/device_extinction.h"
 #include "lumisweep/visibility/extinction_grid.h"
 
-namespace lumisweep::emulated_cuda {
+namespace lumisweep::LUMISWEEP_CUDA {
 
 /// `rows` rows of `length` voxels with their margins.
 inline std::vector<std::uint8_t> padded_rows(const std::uint8_t* voxels, int length, int rows)
@@ -43,4 +43,4 @@ inline DeviceExtinction on_device(const ExtinctionGrid& grid, const Stream& stre
     return extinction;
 }
 
-} // namespace lumisweep::emulated_cuda
+} // namespace lumisweep::LUMISWEEP_CUDA

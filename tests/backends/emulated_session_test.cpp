@@ -13,7 +13,10 @@ TEST(EmulatedSession, VolumesThatWereFetchedBeforeArriveOnce)
     SessionInput input = test::two_step_ct();
     const auto session = test::cuda_session(input);
     test::render(*session, 1);
-    const std::shared_ptr<const ScalarGrid> next = test::ct_like({27, 30, 25}, test::centered({27, 30, 25}, {1, 1, 1}));
+    // In the same place, so that the sweeps' plan stays.
+    const std::shared_ptr<const ScalarGrid> next =
+        test::make_grid<std::int16_t>(VoxelType::i16, input.volume->size(), input.volume->world_from_voxel(),
+                                      [](int i, int j, int k) { return (i * j + 7 * k) % 13 * 100; });
     const std::uint64_t before = test::bytes_uploaded();
     session->prefetch(next);
     test::render(*session, 3);

@@ -49,7 +49,8 @@ LUMISWEEP_HD std::uint32_t code_entries(const CellBounds& range)
 }
 
 /// What entry i of the table bounds, 1/world unit: extinction as lookups in single precision find it.
-LUMISWEEP_HD double extinction_of_entry(const WholeBounds& bounds, const TransferPointsView& transfer_function, std::uint32_t i)
+LUMISWEEP_HD double extinction_of_entry(const WholeBounds& bounds, const TransferPointsView& transfer_function,
+                                        std::uint32_t i)
 {
     constexpr double inflation = 1.0 + 1e-5; // lookups in single precision round
     const double low = static_cast<double>(bounds.range.low) + static_cast<double>(i / 2);

@@ -4,7 +4,8 @@
 
 namespace lumisweep::LUMISWEEP_CUDA {
 
-void DeviceMajorants::build(const DeviceBounds& bounds, const TransferPointsView& transfer_function, const Stream& stream)
+void DeviceMajorants::build(const DeviceBounds& bounds, const TransferPointsView& transfer_function,
+                            const Stream& stream)
 {
     constexpr const char* what = "the majorants";
     const WholeBounds& whole = bounds.whole();

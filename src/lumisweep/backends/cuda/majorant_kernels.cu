@@ -156,7 +156,8 @@ void measure_empty_space(const Vec3i& block_grid, std::uint8_t* codes, std::uint
 }
 
 void find_smallest(const CellBounds* blocks, std::size_t count, const BoundsScale& scale,
-                   const TransferPointsView& transfer_function, float largest, std::uint8_t* smallest, const Stream& stream)
+                   const TransferPointsView& transfer_function, float largest, std::uint8_t* smallest,
+                   const Stream& stream)
 {
     launch("lower bounds", stream, grid_for(count, Smallest::threads), 0,
            Smallest{blocks, count, scale, transfer_function, largest, smallest});

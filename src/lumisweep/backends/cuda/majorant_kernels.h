@@ -48,6 +48,7 @@ void measure_empty_space(const Vec3i& block_grid, std::uint8_t* codes, std::uint
 
 /// MajorantView::smallest of `count` blocks.
 void find_smallest(const CellBounds* blocks, std::size_t count, const BoundsScale& scale,
-                   const TransferPointsView& transfer_function, float largest, std::uint8_t* smallest, const Stream& stream);
+                   const TransferPointsView& transfer_function, float largest, std::uint8_t* smallest,
+                   const Stream& stream);
 
 } // namespace lumisweep::LUMISWEEP_CUDA

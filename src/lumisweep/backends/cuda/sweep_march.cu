@@ -333,6 +333,8 @@ private:
         const SweepScratch& scratch = batch.scratch;
         const CellPlace* places_u = scratch.places + scratch.cells(tile.line, tile.lookup, 0);
         const CellPlace* places_v = scratch.places + scratch.cells(tile.line, tile.lookup, 1);
+        float* tau = scratch.tau_row(tile.view, tile.line, tile.lookup, 0);
+        const int pitch = SweepScratch::tau_pitch(tile.view.u.cells);
         for (int cell = lookup.first_u + thread % warp_lanes; cell < lookup.last_u; cell += warp_lanes) {
             const CellPlace u = places_u[cell];
             const int ray = u.ray - tile.u;
@@ -340,7 +342,7 @@ private:
             for (int row = lookup.first_v + thread / warp_lanes; row < lookup.last_v; row += warps) {
                 const CellPlace v = places_v[row];
                 const int at = (v.ray - tile.v) * (tile_u / 2), above = at + tile_u / 2;
-                scratch.tau_row(tile.view, tile.line, tile.lookup, row)[cell] =
+                tau[row * pitch + cell] =
                     between_rays(low[at], next[at], low[above], next[above], u.fraction, v.fraction);
             }
         }

@@ -137,8 +137,8 @@ void DeviceSweep::plan(const Shape& shape, const DeviceVisibility& grid, const S
     const std::uint64_t budget = std::min(most_batch_bytes, free_device_memory() / 2);
     const int fitting = static_cast<int>(
         std::clamp<std::uint64_t>(budget / memory_->bytes_of_line(), 1, static_cast<std::uint64_t>(lines)));
-    if (fitting >= of_texel) {
-        const int texels = lines / of_texel, texels_fitting = fitting / of_texel;
+    if (const int texels_fitting = fitting / of_texel; texels_fitting > 0) {
+        const int texels = lines / of_texel;
         const int batches = (texels + texels_fitting - 1) / texels_fitting;
         batch_lines_ = (texels + batches - 1) / batches * of_texel;
     } else {

@@ -36,8 +36,8 @@ MarchPiece march_piece(const SweepGeometry& g, const SweepPiece& piece)
 
 LineAxis line_axis(const SweepLevel& level, const SweepAxis& axis, int which)
 {
-    return {
-        axis, axis.ray_count, 0, component(level.cells, which), level.cell_side(which), level.cell_side_world(which)};
+    return {{axis.size, axis.slope, axis.first_ray}, axis.ray_count,         0,
+            component(level.cells, which),           level.cell_side(which), level.cell_side_world(which)};
 }
 
 PlannedLine plan_line(const SweepLevel& level, const SweepPair& pair)

@@ -8,20 +8,14 @@
 // At a slice of cells the rays' sums change hands in shared memory.
 #include "lumisweep/backends/cuda/launch.h"
 #include "lumisweep/backends/cuda/sweep_kernels.h"
+#include "lumisweep/backends/cuda/sweep_rays.h"
 #include "lumisweep/visibility/sweep_optics.h"
 
 namespace lumisweep::LUMISWEEP_CUDA {
 namespace {
 
-constexpr int warp_lanes = 32, warps = 4;
-constexpr int rays_a_thread = 4, rows_a_warp = tile_v / warps;
-static_assert(warp_lanes * rays_a_thread == tile_u);
-
 /// Pieces whose voxels are fetched together.
 constexpr int stage_pieces = 2;
-/// Of a piece's voxels: 129 bytes from any of the first 16 on.
-constexpr int window_chunks = (15 + tile_u + 1 + 15) / 16, window_row = 16 * window_chunks;
-constexpr int window_rows = tile_v + 1, window_bytes = window_rows * window_row;
 
 /// Shared memory. Pieces are known a stage before their voxels are fetched: three stages of them are in use, and a
 /// power of two makes remainders cheap.
@@ -33,31 +27,6 @@ constexpr int range_at = exchange_at + 4 * (2 * odd_rays - 16);
 constexpr int march_shared_bytes = range_at + 16;
 static_assert((stage_pieces & (stage_pieces - 1)) == 0 && warps % stage_pieces == 0);
 static_assert(window_bytes % 16 == 0 && exchange_at % 16 == 0 && range_at % 16 == 0);
-
-LUMISWEEP_HD int between(int x, int low, int high) { return x < low ? low : x > high ? high : x; }
-
-struct RaySums {
-    std::uint32_t of[rows_a_warp][rays_a_thread];
-};
-
-/// The rows of voxels of one sweep axis.
-struct VoxelRows {
-    const std::uint8_t* rows;
-    int pitch, rows_of_slice; ///< rows along v
-    std::size_t slice_stride, row_stride;
-
-    LUMISWEEP_HD VoxelRows(const VoxelsView& voxels, int axis)
-    {
-        const RowsView& layout = axis == 0 ? voxels.along_y : voxels.along_x;
-        rows = layout.rows;
-        pitch = layout.pitch;
-        rows_of_slice = axis == 2 ? voxels.size.y : voxels.size.z;
-        const std::size_t one = static_cast<std::size_t>(pitch);
-        const std::size_t many = one * static_cast<std::size_t>(axis == 0 ? voxels.size.z : voxels.size.y);
-        slice_stride = axis == 1 ? one : many;
-        row_stride = axis == 1 ? many : one;
-    }
-};
 
 struct MarchRays {
     static constexpr int threads = warps * warp_lanes, blocks_a_multiprocessor = 6;
@@ -274,39 +243,6 @@ private:
                      : add_piece<false, false>(piece, words, offset & 3, row, ray, sums);
     }
 
-    /// `words`: the voxels beside the thread's first ray begin at byte `offset` of the first. Whether all rays along u
-    /// and all rows of them count.
-    template <bool all_rays, bool all_rows>
-    LUMISWEEP_HD static void add_piece(const MarchPiece& piece, const std::uint32_t* words, int offset, int row,
-                                       int ray, RaySums& sums)
-    {
-        // Rays 0 … 2 have their voxels in bytes 0 … 3 of the row, ray 3 in bytes 1 … 4.
-        std::uint32_t low[rays_a_thread], high[rays_a_thread];
-        LUMISWEEP_UNROLL
-        for (int i = 0; i < rays_a_thread; ++i) {
-            const bool counts = all_rays || (ray + i >= piece.first_u && ray + i < piece.last_u);
-            const int shift = i < 3 ? 8 * i : 16;
-            low[i] = counts ? (piece.weights & 0xffffU) << shift : 0U;
-            high[i] = counts ? piece.weights >> 16 << shift : 0U;
-        }
-        LUMISWEEP_UNROLL
-        for (int r = 0; r <= rows_a_warp; ++r) {
-            const std::uint32_t first = words[r * (window_row / 4)], second = words[r * (window_row / 4) + 1];
-            const std::uint32_t a = bytes_from(first, second, offset), b = bytes_from(first, second, offset + 1);
-            const auto add = [&](const std::uint32_t(&weights)[rays_a_thread], int to) {
-                if (!all_rows && (row + to < piece.first_v || row + to >= piece.last_v))
-                    return;
-                LUMISWEEP_UNROLL
-                for (int i = 0; i < rays_a_thread; ++i)
-                    sums.of[to][i] = dot_bytes(i < 3 ? a : b, weights[i], sums.of[to][i]);
-            };
-            if (r > 0)
-                add(high, r - 1);
-            if (r < rows_a_warp)
-                add(low, r);
-        }
-    }
-
     // ---- where rays change hands ----
     LUMISWEEP_HD static int exchanged(int row, int ray) { return ray % 2 * odd_rays + row * (tile_u / 2) + ray / 2; }
 
@@ -333,6 +269,8 @@ private:
         const SweepScratch& scratch = batch.scratch;
         const CellPlace* places_u = scratch.places + scratch.cells(tile.line, tile.lookup, 0);
         const CellPlace* places_v = scratch.places + scratch.cells(tile.line, tile.lookup, 1);
+        float* tau = scratch.tau_row(tile.view, tile.line, tile.lookup, 0);
+        const int pitch = SweepScratch::tau_pitch(tile.view.u.cells);
         for (int cell = lookup.first_u + thread % warp_lanes; cell < lookup.last_u; cell += warp_lanes) {
             const CellPlace u = places_u[cell];
             const int ray = u.ray - tile.u;
@@ -340,7 +278,7 @@ private:
             for (int row = lookup.first_v + thread / warp_lanes; row < lookup.last_v; row += warps) {
                 const CellPlace v = places_v[row];
                 const int at = (v.ray - tile.v) * (tile_u / 2), above = at + tile_u / 2;
-                scratch.tau_row(tile.view, tile.line, tile.lookup, row)[cell] =
+                tau[row * pitch + cell] =
                     between_rays(low[at], next[at], low[above], next[above], u.fraction, v.fraction);
             }
         }

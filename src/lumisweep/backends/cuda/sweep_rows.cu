@@ -131,17 +131,17 @@ private:
     LUMISWEEP_HD void filter(const Block<threads>& block, const Place& at, const BoxView& box, int side,
                              const Share& share) const
     {
-        const int width = at.view.u.cells;
+        const int width = at.view.u.cells, height = at.view.v.cells, pitch = 2 * SweepScratch::tau_pitch(width);
         const BoxScales* scales = batch.scratch.scales_of(at.line, at.w, 0, side);
+        std::uint16_t* visibility = batch.scratch.visibility_row(at.view, at.line, at.w, 0, side);
         for (int cell = share.column; cell < width; cell += share.columns)
             for (int pair = share.group; pair < row_pairs; pair += share.groups) {
                 const std::uint32_t* row = words_of(block, at, side) + pair * width;
                 const std::uint32_t mean = box.reach < 0 ? row[cell] : mean_at(row, width, cell, box, scales[cell]);
                 for (int odd = 0; odd < 2; ++odd) {
                     const int v = at.first_row + 2 * pair + odd;
-                    if (v < at.view.v.cells)
-                        batch.scratch.visibility_row(at.view, at.line, at.w, v, side)[cell] =
-                            static_cast<std::uint16_t>(mean >> (16 * odd));
+                    if (v < height)
+                        visibility[v * pitch + cell] = static_cast<std::uint16_t>(mean >> (16 * odd));
                 }
             }
     }

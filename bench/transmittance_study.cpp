@@ -11,7 +11,7 @@ namespace lumisweep::bench {
 namespace {
 
 /// Has a session prepare a scene, and takes it instead of rendering it. Valid while the session lives.
-class SceneTaker final : public Backend {
+class SceneTaker final : public HostBackend {
 public:
     explicit SceneTaker(SceneView& scene) : scene_(scene) {}
     std::string device() const override { return "none"; }

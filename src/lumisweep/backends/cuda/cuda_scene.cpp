@@ -8,6 +8,7 @@
 #include "lumisweep/base/stopwatch.h"
 #include "lumisweep/render/session.h"
 #include "lumisweep/visibility/sweep.h"
+#include "lumisweep/visibility/sweep_plan.h"
 #include "lumisweep/volume/majorant_grid.h"
 
 namespace lumisweep::LUMISWEEP_CUDA {
@@ -28,8 +29,11 @@ std::uint64_t grid_bytes(const SessionInput& input)
         static_cast<std::size_t>(cells.x) * static_cast<std::size_t>(cells.y) * static_cast<std::size_t>(cells.z);
     const auto directions =
         static_cast<std::uint64_t>(settings.directions) * static_cast<std::uint64_t>(settings.directions);
-    return DeviceExtinction::bytes_needed(size, sweep_mip_level(size, settings.rays)) + count * directions +
-           JointGrid::bytes_needed(count, settings.directions);
+    const int level = sweep_mip_level(size, settings.rays);
+    const auto side = [&](int voxels) { return (voxels + (1 << level) - 1) >> level; };
+    const std::uint64_t one_line = 2 * sweep_pair_bytes({side(size.x), side(size.y), side(size.z)}, cells); // or less
+    return DeviceExtinction::bytes_needed(size, level) + count * directions +
+           JointGrid::bytes_needed(count, settings.directions) + one_line;
 }
 
 } // namespace
@@ -38,7 +42,7 @@ void CudaScene::require_memory(const SessionInput& input) const
 {
     const Bytes held = bytes();
     const std::uint64_t held_bytes = held.volume + held.visibility + held.joint + held.environment + held.film +
-                                     held.majorants + extinction_.bytes() + classify_.bytes();
+                                     held.majorants + extinction_.bytes() + classify_.bytes() + sweep_.bytes();
     const std::uint64_t needed =
         input.volume->bytes() + BoundsGrid::bytes_needed(input.volume->size()) +
         MajorantGrid::bytes_needed(input.volume->size()) + input.environment->bytes() +

@@ -86,6 +86,11 @@ struct DeviceSweep::Memory {
 DeviceSweep::DeviceSweep() = default;
 DeviceSweep::~DeviceSweep() = default;
 
+std::uint64_t DeviceSweep::bytes() const
+{
+    return memory_ ? memory_->bytes_of_line() * static_cast<std::uint64_t>(batch_lines_) : 0;
+}
+
 bool DeviceSweep::Shape::operator==(const Shape& other) const
 {
     return volume_size == other.volume_size && size == other.size && mip_level == other.mip_level &&

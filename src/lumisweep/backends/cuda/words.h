@@ -8,13 +8,6 @@
 #include "lumisweep/backends/cuda/launch.h"
 #include "lumisweep/math/lanes.h"
 
-/// Before a loop over numbers that lie in registers, which can only be counted through when it is unrolled.
-#if defined(__CUDA_ARCH__)
-#define LUMISWEEP_UNROLL _Pragma("unroll")
-#else
-#define LUMISWEEP_UNROLL
-#endif
-
 namespace lumisweep::LUMISWEEP_CUDA {
 
 /// Loaded and stored in pieces of up to 16 bytes.

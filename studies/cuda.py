@@ -106,8 +106,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="small volumes")
     parser.add_argument("--device", choices=["cuda", "cpu"], default="cuda")
-    parser.add_argument("--from", dest="earlier", type=Path, metavar="FILE", help="numbers of an earlier run")
-    parser.add_argument("--commit", help="of an earlier run")
+    parser.add_argument("--from", dest="earlier", type=Path, metavar="FILE", help="numbers of an earlier run; its commit in a file beside")
     parser.add_argument("--program", type=Path, default=ROOT / "build" / "release" / "lumisweep_device_bench")
     parser.add_argument("--output", type=Path)
     options = parser.parse_args()
@@ -120,11 +119,14 @@ def main():
         if run.returncode != 0:
             raise StudyError(f"{options.program.name}: {run.stderr.strip()}")
         numbers = json.loads(run.stdout)
-        kept = ROOT / "out" / "cuda.json"
-        kept.parent.mkdir(exist_ok=True)
-        kept.write_text(run.stdout)
+        if not aside:
+            kept = ROOT / "out" / "cuda.json"
+            kept.parent.mkdir(exist_ok=True)
+            kept.write_text(run.stdout)
     output.parent.mkdir(parents=True, exist_ok=True)
-    output.write_text(report(numbers, options.commit or commit_here()))
+    beside = options.earlier.parent / "commit" if options.earlier else None
+    commit = beside.read_text().strip() if beside and beside.is_file() else commit_here()
+    output.write_text(report(numbers, commit))
     print(output)
 
 

@@ -28,7 +28,9 @@ Progress::~Progress()
         std::fputs("\n", stderr);
 }
 
-bool Progress::due(double elapsed_s) const { return terminal_ && elapsed_s - last_s_ >= 0.1; }
+bool Progress::due(double elapsed_s) const { return terminal_ && elapsed_s - last_s_ >= pause_s_; }
+
+void Progress::cost(double seconds) { pause_s_ = std::max(0.1, 20.0 * seconds); }
 
 void Progress::draw(const RenderProgress& state)
 {

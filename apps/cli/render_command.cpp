@@ -161,7 +161,8 @@ void report(const LoadedScene& loaded, const Backend& backend)
         spdlog::info("visibility from rays {} voxels apart{}", 1 << level,
                      input.visibility.rays == 0 ? ", chosen by \"auto\"" : "");
     }
-    spdlog::info("rendering on {} ({})", backend.device(), backend.isa());
+    const std::string model = backend.model();
+    spdlog::info("rendering on {} ({}{}{})", backend.device(), backend.isa(), model.empty() ? "" : ", ", model);
 }
 
 void report_end(const RenderResult& result, const Session& session)

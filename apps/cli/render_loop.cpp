@@ -53,9 +53,13 @@ RenderResult render_until(Session& session, const StopCriterion& stop, Checkpoin
         if (checkpoints != nullptr)
             offer(*checkpoints, session.film(), result);
         result.render_s = std::chrono::duration<double>(Clock::now() - begin).count();
-        if (progress.due(result.render_s))
+        if (progress.due(result.render_s)) {
             progress.draw(stopping.progress(result.render_s));
+            progress.cost(std::chrono::duration<double>(Clock::now() - begin).count() - result.render_s);
+        }
     }
+    session.wait_for_passes();
+    result.render_s = std::chrono::duration<double>(Clock::now() - begin).count();
     result.black = stopping.black();
     if (checkpoints != nullptr)
         finish(*checkpoints, session.film(), result);

@@ -68,8 +68,9 @@ SessionInput swept_alone(SessionInput input)
 }
 
 /// On the CPU, stage by stage.
-VisibilityGrid sweep_on_cpu(SweepRun& run, const SessionInput& input, const RawRange& range)
+VisibilityGrid sweep_on_cpu(SweepRun& run, const SessionInput& input)
 {
+    const RawRange range = raw_range(*input.volume);
     const auto begin = std::chrono::steady_clock::now();
     const ExtinctionGrid extinction = classify(*input.volume, range, input.transfer_function,
                                                sweep_mip_level(input.volume->size(), input.visibility.rays));
@@ -110,12 +111,11 @@ SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
     SweepRun run;
     run.load_s = loaded.load_s;
     run.threads = tbb::this_task_arena::max_concurrency();
-    const RawRange range = raw_range(*input.volume);
     run.device = backend->device();
     std::unique_ptr<Session> session;
     VisibilityGrid swept;
     if (run.device == "cpu")
-        swept = sweep_on_cpu(run, input, range);
+        swept = sweep_on_cpu(run, input);
     else
         session = std::make_unique<Session>(swept_alone(input), std::move(backend));
     const VisibilityGrid& grid = session ? sweep_on_device(run, *session) : swept;
@@ -125,7 +125,7 @@ SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
     run.automatic_rays = input.visibility.rays == 0;
     if (options.check > 0) {
         const ExtinctionGrid finest =
-            classify(*input.volume, range, input.transfer_function, 0, ExtinctionLayouts::straight);
+            classify(*input.volume, raw_range(*input.volume), input.transfer_function, 0, ExtinctionLayouts::straight);
         run.check = sweep_check(grid, finest, options.check, input.render.seed);
     }
     return run;
@@ -133,7 +133,7 @@ SweepRun run_sweep(const SweepOptions& options, const SceneDescription& scene)
 
 double steps_per_second(const SweepRun& run)
 {
-    const double seconds = run.sweep.layout_s + run.sweep.march_s;
+    const double seconds = run.device == "cpu" ? run.sweep.layout_s + run.sweep.march_s : run.sweep.total_s;
     return seconds > 0.0 ? static_cast<double>(run.sweep.voxel_steps) / seconds : 0.0;
 }
 
@@ -142,10 +142,11 @@ void print_json(const SweepRun& run)
     nlohmann::ordered_json json;
     json["seconds"] = {
         {"load", run.load_s}, {"classify", run.classify_s}, {"sweep", run.sweep.total_s}, {"product", run.product_s}};
-    json["processor_seconds"] = {{"layouts", run.sweep.layout_s},
-                                 {"march", run.sweep.march_s},
-                                 {"lookup", run.sweep.lookup_s},
-                                 {"filter", run.sweep.filter_s}};
+    if (run.device == "cpu")
+        json["processor_seconds"] = {{"layouts", run.sweep.layout_s},
+                                     {"march", run.sweep.march_s},
+                                     {"lookup", run.sweep.lookup_s},
+                                     {"filter", run.sweep.filter_s}};
     json["cells"] = {run.cells.x, run.cells.y, run.cells.z};
     json["directions"] = run.directions;
     json["rays"] = run.sweep.rays;
@@ -153,7 +154,8 @@ void print_json(const SweepRun& run)
     json["rays_chosen"] = run.automatic_rays ? "auto" : "given";
     json["voxel_steps"] = run.sweep.voxel_steps;
     json["voxel_steps_per_second"] = steps_per_second(run);
-    json["bytes_read"] = run.sweep.bytes_read;
+    if (run.device == "cpu")
+        json["bytes_read"] = run.sweep.bytes_read;
     json["threads"] = run.threads;
     json["device"] = run.device;
     json["memory_bytes"] = {{"volume", run.volume_bytes},
@@ -180,10 +182,15 @@ void print_text(const SweepRun& run)
     fmt::print("load             {:.3f} s\nclassify         {:.3f} s\nsweep            {:.4f} s on {}\n", run.load_s,
                run.classify_s, run.sweep.total_s,
                run.device == "cpu" ? fmt::format("{} threads", run.threads) : run.device);
-    fmt::print("  layouts {:.3f} s, march {:.3f} s, lookup {:.3f} s, filter {:.3f} s: processor time of all threads\n",
-               run.sweep.layout_s, run.sweep.march_s, run.sweep.lookup_s, run.sweep.filter_s);
-    fmt::print("  {:.3g} voxel steps a second of layouts and march, {} of voxels read\n", steps_per_second(run),
-               format_bytes(run.sweep.bytes_read));
+    if (run.device == "cpu")
+        fmt::print(
+            "  layouts {:.3f} s, march {:.3f} s, lookup {:.3f} s, filter {:.3f} s: processor time of all threads\n",
+            run.sweep.layout_s, run.sweep.march_s, run.sweep.lookup_s, run.sweep.filter_s);
+    if (run.device == "cpu")
+        fmt::print("  {:.3g} voxel steps a second of layouts and march, {} of voxels read\n", steps_per_second(run),
+                   format_bytes(run.sweep.bytes_read));
+    else
+        fmt::print("  {:.3g} voxel steps a second\n", steps_per_second(run));
     fmt::print("product          {:.3f} s\n", run.product_s);
     fmt::print("memory           volume {}, extinction {}, visibility {}, product {}, peak {}\n",
                format_bytes(run.volume_bytes), format_bytes(run.extinction_bytes), format_bytes(run.visibility_bytes),

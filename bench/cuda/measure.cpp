@@ -53,12 +53,13 @@ Json settings_of(const SessionInput& input)
 
 Json measure_edit(const DeviceSubject& subject, SessionInput input)
 {
+    const TransferFunction transfer_function = input.transfer_function;
     Session session(std::move(input), subject.make_backend());
     session.prepare();
     std::vector<double> majorants, classify, sweep, joint;
     for (int i = 0; i < (subject.quick ? 3 : 30); ++i) {
         const SessionStats before = session.stats();
-        session.set_transfer_function(scaled(session.input().transfer_function, i));
+        session.set_transfer_function(scaled(transfer_function, i));
         session.prepare();
         const SessionStats& after = session.stats();
         majorants.push_back(after.majorants_s - before.majorants_s);
@@ -151,7 +152,7 @@ nlohmann::ordered_json measure_paths(const DeviceSubject& subject)
             const auto elapsed_s = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
             while (elapsed_s() < least_s)
                 session.render_pass();
-            session.film().arrays(); // waits
+            session.wait_for_passes();
             const double seconds = elapsed_s();
             const PassCounts after = session.stats().counts;
             const auto share = [](std::uint64_t part, std::uint64_t whole) {

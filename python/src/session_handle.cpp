@@ -124,7 +124,9 @@ void SessionHandle::render(const StopCriterion& stop, const Progress& progress)
 {
     const Busy busy(*this);
     run_interruptible(*arena_, [&](const std::atomic<bool>& cancel) {
-        if (mode_ == SweepMode::before_pass && !session_->prepare(&cancel))
+        // Sweeps before passes are not rendering's time; a GPU knows no others.
+        const bool waits = mode_ == SweepMode::before_pass || session_->backend().device() != "cpu";
+        if (waits && !session_->prepare(&cancel))
             return;
         using Clock = std::chrono::steady_clock;
         Clock::time_point begin = Clock::now();
@@ -141,6 +143,8 @@ void SessionHandle::render(const StopCriterion& stop, const Progress& progress)
                 begin += Clock::now() - end; // the callback's time is not rendering's
             }
         }
+        session_->wait_for_passes();
+        render_s_ = before + std::chrono::duration<double>(Clock::now() - begin).count();
     });
 }
 

@@ -21,7 +21,7 @@ Enum enum_of(const std::string& name, std::span<const std::string_view> names, c
 }
 
 template <class Enum>
-std::string text_of(Enum value, std::span<const std::string_view> names)
+std::string name_in(Enum value, std::span<const std::string_view> names)
 {
     return std::string(names[static_cast<std::size_t>(value)]);
 }
@@ -177,7 +177,7 @@ void bind_render_settings(py::module_& module)
             py::arg("shadow_rays") = "auto", py::arg("seed") = 0)
         .def_property_readonly("strategy", [](const RenderSettings& s) { return name_of(s.strategy); })
         .def_property_readonly("random_numbers",
-                               [](const RenderSettings& s) { return text_of(s.random_numbers, random_numbers_names); })
+                               [](const RenderSettings& s) { return name_in(s.random_numbers, random_numbers_names); })
         .def_property_readonly("shadow_rays", [](const RenderSettings& s) { return number_or_auto(s.shadow_rays); })
         .def_readonly("seed", &RenderSettings::seed);
     add_record_methods(cls, {"strategy", "random_numbers", "shadow_rays", "seed"});
@@ -198,12 +198,12 @@ void bind_visibility_settings(py::module_& module)
                 return settings;
             }),
             py::kw_only(), py::arg("directions") = standard.directions, py::arg("cell") = standard.cell,
-            py::arg("rays") = "auto", py::arg("filter") = text_of(standard.filter, filter_names),
+            py::arg("rays") = "auto", py::arg("filter") = name_in(standard.filter, filter_names),
             py::arg("oversampling") = standard.oversampling, py::arg("epsilon") = standard.epsilon)
         .def_readonly("directions", &VisibilitySettings::directions)
         .def_readonly("cell", &VisibilitySettings::cell)
         .def_property_readonly("rays", [](const VisibilitySettings& s) { return number_or_auto(s.rays); })
-        .def_property_readonly("filter", [](const VisibilitySettings& s) { return text_of(s.filter, filter_names); })
+        .def_property_readonly("filter", [](const VisibilitySettings& s) { return name_in(s.filter, filter_names); })
         .def_readonly("oversampling", &VisibilitySettings::oversampling)
         .def_readonly("epsilon", &VisibilitySettings::epsilon);
     add_record_methods(cls, {"directions", "cell", "rays", "filter", "oversampling", "epsilon"});

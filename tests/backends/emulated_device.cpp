@@ -21,6 +21,7 @@ struct Memory {
     std::mutex mutex;
     std::uint64_t size = std::uint64_t{1} << 40, taken = 0;
     std::unordered_map<void*, std::uint64_t> blocks;
+    int until_failure = -1;
 };
 
 Memory& memory_of_device()
@@ -39,6 +40,12 @@ void set_emulated_memory(std::uint64_t bytes)
 {
     const std::lock_guard lock(memory_of_device().mutex);
     memory_of_device().size = bytes;
+}
+
+void fail_allocation_after(int more)
+{
+    const std::lock_guard lock(memory_of_device().mutex);
+    memory_of_device().until_failure = more;
 }
 
 std::uint64_t emulated_memory_taken()
@@ -72,7 +79,6 @@ void Event::record(const Stream&)
     *static_cast<std::chrono::steady_clock::time_point*>(handle_) = std::chrono::steady_clock::now();
 }
 void Event::wait() const {}
-void Event::hold(const Stream&) const {}
 double Event::seconds(const Event& begin, const Event& end)
 {
     return std::chrono::duration<double>(*static_cast<const std::chrono::steady_clock::time_point*>(end.handle_) -
@@ -84,6 +90,11 @@ void* allocate_on_device(std::uint64_t bytes, const char* what)
 {
     Memory& memory = memory_of_device();
     const std::uint64_t free = free_device_memory();
+    {
+        const std::lock_guard lock(memory.mutex);
+        require(memory.until_failure < 0 || memory.until_failure-- != 0,
+                "device cuda: no memory, as the test wants it");
+    }
     require(bytes <= free, "device cuda: {} needs {} of the GPU's memory and {} are free", what, format_bytes(bytes),
             format_bytes(free));
     // Aligned as cudaMalloc aligns, and not zeros.

@@ -2,6 +2,7 @@
 import json
 import os
 import unittest
+from unittest import mock
 
 from program import ProgramTest, run
 
@@ -41,7 +42,8 @@ class Usage(ProgramTest):
         self.expect_failure(1, "neither a file nor a preset", "render", "scene.json", "--transfer-function", "bone", "-o", "o.exr")
         self.expect_failure(1, "the folder no/such does not exist", "render", "scene.json", "-o", "no/such/o.exr")
         self.expect_failure(1, "no such checkpoint", "render", "scene.json", "-o", "o.exr", "--resume", "none.ckpt")
-        self.expect_failure(1, "device cuda: ", "render", "scene.json", "-o", "o.exr", "--device", "cuda")
+        with mock.patch.dict(os.environ, CUDA_VISIBLE_DEVICES=""):  # whatever the machine has
+            self.expect_failure(1, "device cuda: ", "render", "scene.json", "-o", "o.exr", "--device", "cuda")
         self.expect_failure(1, "visibility.cel: unknown key", "render", "scene.json", "-o", "o.exr", "--set", "visibility.cel=8")
         self.expect_failure(1, "none.exr", "compare", "none.exr", "none.exr")
         self.expect_failure(1, "nothing.nii", "info", "nothing.nii")

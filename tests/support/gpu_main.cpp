@@ -11,6 +11,7 @@
 // The GPU neither counts nor is told how much memory it has: what tests of that expect holds of these, too.
 namespace lumisweep::test {
 void set_emulated_memory(std::uint64_t) {}
+void fail_allocation_after(int) {}
 std::uint64_t emulated_memory_taken() { return 0; }
 std::uint64_t bytes_uploaded() { return 0; }
 } // namespace lumisweep::test

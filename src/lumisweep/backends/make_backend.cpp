@@ -28,8 +28,8 @@ ChosenBackend make_backend(Device device, const std::string& isa)
     } catch (const Error& error) {
         if (device == Device::cuda)
             throw;
-        const std::string reason = error.what();
-        return {std::move(cpu), "rendering on the CPU: " + reason.substr(0, reason.find(" ("))};
+        const std::string reason = error.what(); // and, in parentheses, how to mend it
+        return {std::move(cpu), "rendering on the CPU: " + reason.substr(0, reason.rfind(" ("))};
     }
 }
 

@@ -64,7 +64,14 @@ LUMISWEEP_HD std::int32_t max(std::int32_t a, std::int32_t b) { return a < b ? b
 LUMISWEEP_HD float abs(float a) { return std::fabs(a); }
 LUMISWEEP_HD double abs(double a) { return std::fabs(a); }
 /// 1 / a of a normal number whose reciprocal is normal, within 2 ulp.
-LUMISWEEP_HD float reciprocal(float a) { return 1.0F / a; }
+LUMISWEEP_HD float reciprocal(float a)
+{
+#if defined(__CUDA_ARCH__)
+    return __fdividef(1.0F, a);
+#else
+    return 1.0F / a;
+#endif
+}
 LUMISWEEP_HD float sqrt(float a) { return std::sqrt(a); }
 LUMISWEEP_HD double sqrt(double a) { return std::sqrt(a); }
 LUMISWEEP_HD float floor(float a) { return std::floor(a); }

@@ -22,8 +22,9 @@ public:
     Backend& operator=(const Backend&) = delete;
     virtual ~Backend() = default;
 
-    virtual std::string device() const = 0; ///< "cpu", "cuda"
-    virtual std::string isa() const = 0;    ///< "baseline", "avx2", "avx512"; of CUDA "sm_90" and the like
+    virtual std::string device() const = 0;          ///< "cpu", "cuda"
+    virtual std::string isa() const = 0;             ///< "baseline", "avx2", "avx512"; of CUDA "sm_90" and the like
+    virtual std::string model() const { return ""; } ///< of a GPU, as it calls itself
 };
 
 /// Draws from what the session has in the host's memory.

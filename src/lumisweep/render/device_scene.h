@@ -22,8 +22,9 @@ struct SessionStats; // render/session.h
 /// memory is short or the device fails.
 class DeviceScene : public FilmSource {
 public:
-    /// Throws Error unless the device's memory is enough for all that this input needs.
-    virtual void require_memory(const SessionInput& input) const = 0;
+    /// Throws Error unless the device's memory is enough for all that this input needs. May give back what is kept for
+    /// later.
+    virtual void require_memory(const SessionInput& input) = 0;
     /// Copies the voxels and finds their bounds, unless they are the ones that prefetch() was called with.
     virtual void set_volume(std::shared_ptr<const ScalarGrid> volume) = 0;
     /// Begins to copy the voxels of the volume to come, while the device renders the present one.
@@ -41,7 +42,8 @@ public:
     virtual const VisibilityGrid& visibility() = 0;
     virtual void set_visibility(VisibilityGrid grid) = 0;
 
-    /// Empties the sums, after giving up passes that are not yet in them.
+    /// An empty film; passes that are not yet in its sums are given up. Does not fail: memory is taken with the next
+    /// pass.
     virtual void clear_film(int width, int height) = 0;
     virtual void restore_film(const Film& film) = 0;
     /// Begins to draw sample number `sample` of every pixel; passes are added in their order, each wholly or not at

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/light/environment.h"
@@ -63,7 +62,9 @@ void Film::add(const SampleView& samples)
     parallel_for(0, height_, [&](int y) {
         const std::size_t first = static_cast<std::size_t>(y) * row;
         for (std::size_t i = first * 3; i < (first + row) * 3; ++i) {
-            add_color(sums, i, samples.color[i], block_end);
+            ColorSums of_element = load_sums(sums, i);
+            of_element.add(samples.color[i], block_end);
+            store_sums(sums, i, of_element);
             samples.color[i] = 0.0F;
         }
         for (std::size_t i = first * feature_count; i < (first + row) * feature_count; ++i) {
@@ -82,8 +83,10 @@ void Film::grown(std::int64_t samples, FilmSource& source)
 
 void Film::fetch() const
 {
-    if (FilmSource* source = std::exchange(late_, nullptr))
-        source->fetch(arrays_);
+    if (late_ == nullptr)
+        return;
+    late_->fetch(arrays_);
+    late_ = nullptr; // only when all went well
 }
 
 double Film::variance_of_mean(std::size_t i) const

@@ -21,17 +21,33 @@ struct FilmSums {
 /// Whether a sample is the last of its block of stratified samples (render/pass.h).
 enum class BlockEnd { no, yes };
 
-/// Adds a sample's element i, 3 · pixel + colour.
-LUMISWEEP_HD void add_color(const FilmSums& film, std::size_t i, float sample, BlockEnd block_end)
+/// The sums of one element, 3 · pixel + colour.
+struct ColorSums {
+    double sum, sum_squares, block_sum_squares, block_begin;
+
+    LUMISWEEP_HD void add(float sample, BlockEnd block_end)
+    {
+        const double c = static_cast<double>(sample);
+        sum += c;
+        sum_squares += c * c;
+        if (block_end == BlockEnd::no)
+            return;
+        const double block = sum - block_begin;
+        block_sum_squares += block * block;
+        block_begin = sum;
+    }
+};
+
+LUMISWEEP_HD ColorSums load_sums(const FilmSums& film, std::size_t i)
 {
-    const double c = static_cast<double>(sample);
-    film.color_sum[i] += c;
-    film.color_sum_squares[i] += c * c;
-    if (block_end == BlockEnd::no)
-        return;
-    const double block = film.color_sum[i] - film.block_begin[i];
-    film.block_sum_squares[i] += block * block;
-    film.block_begin[i] = film.color_sum[i];
+    return {film.color_sum[i], film.color_sum_squares[i], film.block_sum_squares[i], film.block_begin[i]};
+}
+LUMISWEEP_HD void store_sums(const FilmSums& film, std::size_t i, const ColorSums& sums)
+{
+    film.color_sum[i] = sums.sum;
+    film.color_sum_squares[i] = sums.sum_squares;
+    film.block_sum_squares[i] = sums.block_sum_squares;
+    film.block_begin[i] = sums.block_begin;
 }
 
 } // namespace lumisweep

@@ -40,8 +40,10 @@ void Session::set_volume(std::shared_ptr<const ScalarGrid> volume)
 void Session::prefetch(std::shared_ptr<const ScalarGrid> volume)
 {
     require(volume != nullptr, "volume: is missing");
-    if (state_->device)
-        state_->device->prefetch(std::move(volume));
+    if (!state_->device)
+        return;
+    state_->update_bounds(); // so that what was fetched before goes where it belongs first
+    state_->device->prefetch(std::move(volume));
 }
 
 void Session::set_transfer_function(TransferFunction transfer_function)
@@ -57,6 +59,9 @@ void Session::set_transfer_function(TransferFunction transfer_function)
 void Session::set_environment(std::shared_ptr<const Environment> environment)
 {
     require(environment != nullptr, "environment: is missing");
+    SessionInput changed = state_->input;
+    changed.environment = environment;
+    state_->validate(changed, state_->mode, state_->background_threads);
     state_->input.environment = std::move(environment);
     state_->use_environment();
     state_->stale_joint = true;
@@ -172,6 +177,8 @@ PassEnd Session::render_pass(const std::atomic<bool>* cancel)
         return PassEnd::cancelled;
     return s.render_pass(cancel);
 }
+
+void Session::wait_for_passes() { state_->wait_for_passes(); }
 
 const Film& Session::film() const { return state_->film; }
 

@@ -48,10 +48,10 @@ struct SessionInput {
 enum class SweepMode {
     /// The next pass waits for them. Images are the same to the bit, whatever the threads.
     before_pass,
-    /// On a device the same as before_pass. Passes go on at once, with the visibility that is there (all visible at
-    /// first), while a thread beside them
+    /// Passes go on at once, with the visibility that is there (all visible at first), while a thread beside them
     /// classifies and sweeps; every few passes take up the directions that have been published. An edit cancels the
-    /// sweep that runs. Single images depend on the timing, within their noise.
+    /// sweep that runs. Single images depend on the timing, within their noise. On a device, where sweeps take
+    /// milliseconds, the same as before_pass.
     in_background,
 };
 
@@ -65,7 +65,8 @@ public:
     Session& operator=(const Session&) = delete;
 
     void set_volume(std::shared_ptr<const ScalarGrid> volume); ///< e.g. the next frame of a time series
-    /// The volume that set_volume() will be called with next: a device begins to copy it while passes go on.
+    /// The volume that set_volume() will be called with next: a device begins to copy it while passes go on. After a
+    /// set_volume() that has not yet been followed by a pass it takes that volume up first.
     void prefetch(std::shared_ptr<const ScalarGrid> volume);
     void set_transfer_function(TransferFunction transfer_function);
     void set_environment(std::shared_ptr<const Environment> environment);
@@ -89,6 +90,9 @@ public:
     /// Adds one sample to every pixel. Returns cancelled, with the film as it was before, when *cancel became true. On
     /// a device passes are begun here and run on; looking at the film's sums, or beginning many more, waits for them.
     PassEnd render_pass(const std::atomic<bool>* cancel = nullptr);
+
+    /// Waits until all passes that were begun are in the film's sums; only a device has passes under way.
+    void wait_for_passes();
 
     const Film& film() const;
     /// For resuming from a checkpoint: puts the film's sums and sample count back. Sizes must match.

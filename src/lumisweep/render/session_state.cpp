@@ -76,8 +76,7 @@ void Session::State::use_environment()
     if (light->resolution() < input.visibility.directions)
         light = std::make_shared<Environment>(light->refined(input.visibility.directions));
     stats.environment_bytes = light->bytes();
-    if (device)
-        device->set_environment(light);
+    stale_light = true;
 }
 
 SceneView Session::State::view() const
@@ -103,7 +102,7 @@ SceneView Session::State::view() const
     return view;
 }
 
-void Session::State::update_majorants()
+void Session::State::update_bounds()
 {
     if (stale_bounds) {
         const Stopwatch watch(stats.bounds_s);
@@ -115,6 +114,14 @@ void Session::State::update_majorants()
         }
         stale_bounds = false;
     }
+}
+
+void Session::State::update_majorants()
+{
+    update_bounds();
+    if (stale_light && device)
+        device->set_environment(light);
+    stale_light = false;
     if (stale_majorants) {
         const Stopwatch watch(stats.majorants_s);
         if (device) {
@@ -285,10 +292,17 @@ PassEnd Session::State::render_pass(const std::atomic<bool>* cancel)
     const Stopwatch watch(stats.render_s), since_build(since_build_s);
     if (!device)
         return render_on_host(cancel);
+    // Begins the pass; wait_for_passes() takes the rest of its time.
     const PassEnd end = device->render_pass(view(), film.samples(), cancel);
     if (end == PassEnd::complete)
         film.grown(film.samples() + 1, *device);
     return end;
+}
+
+void Session::State::wait_for_passes()
+{
+    const Stopwatch watch(stats.render_s);
+    film.arrays();
 }
 
 PassEnd Session::State::render_on_host(const std::atomic<bool>* cancel)
@@ -318,6 +332,7 @@ PassEnd Session::State::render_on_host(const std::atomic<bool>* cancel)
 void Session::State::update_device_stats()
 {
     const DeviceScene::Bytes bytes = device->bytes();
+    stats.film_bytes = bytes.film;
     stats.visibility_bytes = bytes.visibility;
     stats.joint_bytes = bytes.joint;
     stats.majorant_bytes = bytes.majorants;

@@ -35,6 +35,7 @@ struct Session::State {
 
     // What is out of date; each implies the work of the stages below it that use it.
     bool stale_bounds = true, stale_majorants = true, stale_visibility = true, stale_joint = true;
+    bool stale_light = true; // on the device
 
     SweepMode mode = SweepMode::before_pass;
     int background_threads = 1;
@@ -63,7 +64,9 @@ struct Session::State {
     void use_environment();
     SceneView view() const;
 
-    /// Bounds and majorants: what the image's mean depends on.
+    /// Of a volume that has not been taken up.
+    void update_bounds();
+    /// What the image's mean depends on: bounds, majorants, and the light.
     void update_majorants();
     /// Classifies and sweeps in this thread's arena; false when cancelled.
     bool sweep_now(const std::atomic<bool>* cancel);
@@ -80,6 +83,7 @@ struct Session::State {
     /// Throws what the background sweep has thrown, once.
     void rethrow();
     PassEnd render_pass(const std::atomic<bool>* cancel);
+    void wait_for_passes();
 
 private:
     void fit_visibility();

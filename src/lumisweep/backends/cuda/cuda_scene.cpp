@@ -31,27 +31,46 @@ std::uint64_t grid_bytes(const SessionInput& input)
         static_cast<std::uint64_t>(settings.directions) * static_cast<std::uint64_t>(settings.directions);
     const int level = sweep_mip_level(size, settings.rays);
     const auto side = [&](int voxels) { return (voxels + (1 << level) - 1) >> level; };
-    const std::uint64_t one_line = 2 * sweep_pair_bytes({side(size.x), side(size.y), side(size.z)}, cells); // or less
+    // Rays and optical depths of one line, and where and how its cells look up.
+    const auto longest = static_cast<std::uint64_t>(std::max({cells.x, cells.y, cells.z}));
+    const std::uint64_t one_line =
+        2 * sweep_pair_bytes({side(size.x), side(size.y), side(size.z)}, cells) + 96 * longest * longest;
     return DeviceExtinction::bytes_needed(size, level) + count * directions +
            JointGrid::bytes_needed(count, settings.directions) + one_line;
 }
 
 } // namespace
 
-void CudaScene::require_memory(const SessionInput& input) const
+void CudaScene::require_memory(const SessionInput& input)
 {
-    const Bytes held = bytes();
-    const std::uint64_t held_bytes = held.volume + held.visibility + held.joint + held.environment + held.film +
-                                     held.majorants + extinction_.bytes() + classify_.bytes() + sweep_.bytes();
-    const std::uint64_t needed =
-        input.volume->bytes() + BoundsGrid::bytes_needed(input.volume->size()) +
-        MajorantGrid::bytes_needed(input.volume->size()) + input.environment->bytes() +
-        PassQueue::bytes_needed(input.image.width, input.image.height, passes_.multiprocessors()) + grid_bytes(input);
-    const std::uint64_t available = free_device_memory() + held_bytes;
-    require(needed + reserve <= available,
+    const std::uint64_t of_grids = grid_bytes(input);
+    needed_ = reserve + input.volume->bytes() + BoundsGrid::bytes_needed(input.volume->size()) +
+              MajorantGrid::bytes_needed(input.volume->size()) + input.environment->bytes() +
+              PassQueue::bytes_needed(input.image.width, input.image.height, passes_.multiprocessors()) + of_grids;
+    // Grids that this input does not use stay for one that does.
+    const std::uint64_t unused = of_grids == 0 ? visibility_.stored.bytes() + joint_.bytes() + extinction_.bytes() : 0;
+    const std::uint64_t held = held_bytes() - unused;
+    if (needed_ > free_device_memory() + held) {
+        volume_.release_next();
+        sweep_.release_memory();
+    }
+    const std::uint64_t available = free_device_memory() + held;
+    require(needed_ <= available,
             "device cuda: this scene needs {} of the GPU's memory and {} are there (a larger visibility.cell, fewer "
             "visibility.directions or a smaller image need less, or use --device cpu)",
-            format_bytes(needed + reserve), format_bytes(available));
+            format_bytes(needed_), format_bytes(available));
+}
+
+std::uint64_t CudaScene::held_bytes() const
+{
+    const Bytes held = bytes();
+    return held.volume + held.visibility + held.joint + held.environment + held.film + held.majorants +
+           extinction_.bytes() + classify_.bytes();
+}
+
+void CudaScene::prefetch(std::shared_ptr<const ScalarGrid> volume)
+{
+    volume_.prefetch(std::move(volume), needed_ - std::min(needed_, held_bytes()));
 }
 
 void CudaScene::set_volume(std::shared_ptr<const ScalarGrid> volume)
@@ -73,7 +92,6 @@ void CudaScene::set_environment(std::shared_ptr<const Environment> environment)
 {
     light_ = std::move(environment);
     environment_.upload(*light_, stream_);
-    stream_.wait();
 }
 
 bool CudaScene::sweep(const VisibilitySettings& settings, const std::atomic<bool>* cancel, SessionStats& stats)
@@ -91,6 +109,7 @@ bool CudaScene::sweep(const VisibilitySettings& settings, const std::atomic<bool
     {
         const Stopwatch of_sweep(sweep_s);
         visibility_.resize(VisibilityGrid::cells_of(volume.size(), settings.cell), settings.directions);
+        swept_size_ = volume.size();
         voxels_per_cell_ = settings.cell;
         looked_at_is_old_ = true;
         ended = sweep_.sweep(visibility_, extinction_, settings, stream_, cancel);
@@ -106,6 +125,7 @@ bool CudaScene::sweep(const VisibilitySettings& settings, const std::atomic<bool
 
 void CudaScene::build_joint(JointFactor factor, double epsilon)
 {
+    passes_.draw_pending(stream_); // with the product that they were begun with
     joint_.build(visibility_, volume_.volume()->size(), *light_, factor, epsilon, stream_);
     stream_.wait();
 }
@@ -113,7 +133,7 @@ void CudaScene::build_joint(JointFactor factor, double epsilon)
 const VisibilityGrid& CudaScene::visibility()
 {
     if (looked_at_is_old_ && visibility_.cell_count > 0) {
-        looked_at_ = VisibilityGrid(volume_.volume()->size(), voxels_per_cell_, visibility_.directions_per_side);
+        looked_at_ = VisibilityGrid(swept_size_, voxels_per_cell_, visibility_.directions_per_side);
         visibility_.download(looked_at_, stream_);
         looked_at_is_old_ = false;
     }

@@ -59,8 +59,6 @@ public:
     void record(const Stream& stream);
     /// Waits until the stream has reached the mark; at once when there is none.
     void wait() const;
-    /// Has `stream` wait for the mark, without the host's waiting.
-    void hold(const Stream& stream) const;
     /// Between two marks that have been reached.
     static double seconds(const Event& begin, const Event& end);
 

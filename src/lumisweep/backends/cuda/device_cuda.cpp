@@ -16,7 +16,8 @@ void check(cudaError_t error, const char* what)
         return;
     // Errors of kernels stay; those of calls are forgotten, so that what follows does not report them again.
     cudaGetLastError();
-    fail("cuda: {} failed: {} ({})", what, cudaGetErrorString(error), cudaGetErrorName(error));
+    fail("device cuda: {} failed: {}, {} (try again, or use --device cpu)", what, cudaGetErrorName(error),
+         cudaGetErrorString(error));
 }
 
 cudaStream_t stream_of(const Stream& stream) { return static_cast<cudaStream_t>(stream.handle()); }
@@ -81,10 +82,6 @@ void Event::record(const Stream& stream)
     check(cudaEventRecord(static_cast<cudaEvent_t>(handle_), stream_of(stream)), "recording an event");
 }
 void Event::wait() const { check(cudaEventSynchronize(static_cast<cudaEvent_t>(handle_)), "the device's work"); }
-void Event::hold(const Stream& stream) const
-{
-    check(cudaStreamWaitEvent(stream_of(stream), static_cast<cudaEvent_t>(handle_), 0), "ordering streams");
-}
 double Event::seconds(const Event& begin, const Event& end)
 {
     float milliseconds = 0.0F;

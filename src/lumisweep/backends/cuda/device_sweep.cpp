@@ -86,9 +86,11 @@ struct DeviceSweep::Memory {
 DeviceSweep::DeviceSweep() = default;
 DeviceSweep::~DeviceSweep() = default;
 
-std::uint64_t DeviceSweep::bytes() const
+void DeviceSweep::release_memory()
 {
-    return memory_ ? memory_->bytes_of_line() * static_cast<std::uint64_t>(batch_lines_) : 0;
+    shape_.reset();
+    plan_.reset();
+    memory_.reset();
 }
 
 bool DeviceSweep::Shape::operator==(const Shape& other) const

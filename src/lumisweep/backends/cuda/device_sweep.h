@@ -31,8 +31,8 @@ public:
 
     /// Of the last sweep: rays × slices, as SweepStats counts them.
     std::uint64_t voxel_steps() const { return voxel_steps_; }
-    /// Working memory, kept for the next sweep.
-    std::uint64_t bytes() const;
+    /// Gives back the working memory that is kept for the next sweep.
+    void release_memory();
 
 private:
     /// What the plan depends on.

@@ -6,12 +6,15 @@ namespace lumisweep::LUMISWEEP_CUDA {
 
 void DeviceVisibility::resize(Vec3i cells_of_grid, int directions_a_side)
 {
+    const std::size_t count = static_cast<std::size_t>(cells_of_grid.x) * static_cast<std::size_t>(cells_of_grid.y) *
+                              static_cast<std::size_t>(cells_of_grid.z);
+    const auto directions = static_cast<std::size_t>(directions_a_side) * static_cast<std::size_t>(directions_a_side);
+    cell_count = 0; // unless there is memory
+    stored.resize((count + 63) / 64 * 64 * directions, "the visibility grid");
     cells = cells_of_grid;
-    cell_count =
-        static_cast<std::size_t>(cells.x) * static_cast<std::size_t>(cells.y) * static_cast<std::size_t>(cells.z);
+    cell_count = count;
     directions_per_side = directions_a_side;
-    stride = (cell_count + 63) / 64 * 64;
-    stored.resize(stride * static_cast<std::size_t>(direction_count()), "the visibility grid");
+    stride = (count + 63) / 64 * 64;
 }
 
 void DeviceVisibility::upload(const VisibilityGrid& grid, const Stream& stream)

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "lumisweep/backends/cuda/device.h"
+#include "lumisweep/backends/cuda/staged_copy.h"
 #include "lumisweep/render/background_task.h"
 #include "lumisweep/volume/scalar_grid.h"
 
@@ -17,24 +18,25 @@ public:
     /// Copies the voxels, unless prefetch() has. They are there when this returns, after what `stream` does with the
     /// ones before.
     void set(std::shared_ptr<const ScalarGrid> volume, const Stream& stream);
-    /// Begins to copy into memory of its own, beside what the device does; the volume before that is dropped. Without
-    /// memory for it set() copies later.
-    void prefetch(std::shared_ptr<const ScalarGrid> volume);
+    /// Begins to copy into memory of its own, beside what the device does; the volume before that is dropped. Where
+    /// less than `spared` bytes would be left free, set() copies later.
+    void prefetch(std::shared_ptr<const ScalarGrid> volume, std::uint64_t spared);
+    /// Gives back the memory for it.
+    void release_next();
 
+    /// Null after set() has failed.
     const std::shared_ptr<const ScalarGrid>& volume() const { return volume_; }
     const void* voxels() const { return voxels_.data(); }
-    std::uint64_t bytes() const { return voxels_.bytes() + next_voxels_.bytes(); }
+    std::uint64_t bytes() const { return voxels_.bytes(); }
+    std::uint64_t bytes_of_next() const { return next_voxels_.bytes(); }
 
 private:
-    /// False when cancelled.
-    bool copy(std::byte* to, const ScalarGrid& volume, const std::atomic<bool>* cancel);
-
     std::shared_ptr<const ScalarGrid> volume_, next_;
     DeviceArray<std::byte> voxels_, next_voxels_;
-    PinnedArray<std::byte> stage_[2]; ///< through which voxels go
-    Event staged_[2];
+    StagedCopy copy_;
     Stream copies_;
-    BackgroundTask prefetching_; // last: it uses the others
+    std::atomic<bool> arrived_{false}; // what is next is there
+    BackgroundTask prefetching_;       // last: it uses the others
 };
 
 } // namespace lumisweep::LUMISWEEP_CUDA

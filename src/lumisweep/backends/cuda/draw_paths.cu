@@ -13,8 +13,7 @@ constexpr int path_threads = 128;
 /// albedo that these start with, and counts.
 struct Kept {
     static constexpr int fields = PathState<float>::field_count, albedo = fields, counts = fields + 3,
-                         words = counts + 7;
-    enum Count { paths, shadow_rays, camera_steps, shadow_steps, advance_steps, advance_lanes, candidate_lanes };
+                         words = counts + PathCounters::kinds;
 
     std::uint32_t* word; ///< of this thread
 
@@ -44,7 +43,7 @@ struct Kept {
         int field = 0;
         path.for_each_field([&](auto& value) { get(field++, value); });
     }
-    LUMISWEEP_HD void count(Count what) const { ++word[(counts + what) * path_threads]; }
+    LUMISWEEP_HD void count(PathCounters::Kind what) const { ++word[(counts + what) * path_threads]; }
 };
 
 /// One thread's paths, one after the other. A camera segment that collides waits until the shadow segments of the
@@ -86,7 +85,7 @@ private:
                 kept_.get(Kept::albedo + 2, albedo.z);
                 flying_ = stage::aim<float>(scene_, batch_.pass[sample_], true, due_++, albedo, path_);
                 if (flying_)
-                    kept_.count(Kept::shadow_rays);
+                    kept_.count(PathCounters::shadow_rays);
             } else if (camera_waits_) {
                 kept_.get(path_);
                 camera_waits_ = false;
@@ -115,7 +114,7 @@ private:
                   y = static_cast<int>(square / columns) * 8 + within.y;
         if (x >= batch_.width || y >= batch_.height)
             return;
-        kept_.count(Kept::paths);
+        kept_.count(PathCounters::paths);
         flying_ = stage::start<float>(scene_, batch_.pass[sample_], x, y, path_);
         float *color = color_of_pixel(), *features = features_of_pixel();
         for (int i = 0; i < 3; ++i)
@@ -132,19 +131,19 @@ private:
         bool pending = flying_;
         stage::Advanced<float> advanced{false, false};
         do {
-            kept_.count(Kept::advance_lanes);
+            kept_.count(PathCounters::advance_lanes);
             if (pending) {
-                kept_.count(Kept::advance_steps);
+                kept_.count(PathCounters::advance_steps);
                 advanced = stage::advance(scene_, true, path_, walk_);
                 pending = !(advanced.candidate || advanced.left);
             }
         } while (count_in_warp(pending) * 4 > warp_width);
         if (count_in_warp(advanced.candidate) > 0)
-            kept_.count(Kept::candidate_lanes);
+            kept_.count(PathCounters::candidate_lanes);
         if (advanced.candidate) {
             const float ratio = stage::look_up(scene_, grid_, true, path_, walk_);
             const stage::Judged<float> judged = stage::candidate(scene_, true, ratio, path_);
-            kept_.count(path_.segment == shadow_segment ? Kept::shadow_steps : Kept::camera_steps);
+            kept_.count(path_.segment == shadow_segment ? PathCounters::shadow_steps : PathCounters::camera_steps);
             if (judged.collided)
                 collide(judged.ended);
             else if (judged.ended)
@@ -228,21 +227,21 @@ struct DrawPaths {
 
     LUMISWEEP_HD void operator()(const Block<threads>& block) const
     {
-        block.run_apart([&](int thread) {
+        block.run([&](int thread) {
             const Kept kept{block.template shared<std::uint32_t>() + thread};
             for (int i = Kept::counts; i < Kept::words; ++i)
                 kept.put(i, 0);
             PathThread<Voxel>(scene, batch, begin, end, &counters->next, kept).run();
-            const auto add = [&](std::uint64_t* to, Kept::Count what) {
-                atomic_add(to, std::uint64_t{kept.word[(Kept::counts + what) * threads]});
-            };
-            add(&counters->paths, Kept::paths);
-            add(&counters->shadow_rays, Kept::shadow_rays);
-            add(&counters->camera_steps, Kept::camera_steps);
-            add(&counters->shadow_steps, Kept::shadow_steps);
-            add(&counters->advance_steps, Kept::advance_steps);
-            add(&counters->advance_lanes, Kept::advance_lanes);
-            add(&counters->candidate_lanes, Kept::candidate_lanes);
+        });
+        block.run_apart([&](int thread) {
+            constexpr int kinds = Kept::words - Kept::counts;
+            if (thread >= kinds)
+                return;
+            const std::uint32_t* count = block.template shared<std::uint32_t>() + (Kept::counts + thread) * threads;
+            std::uint64_t sum = 0;
+            for (int i = 0; i < threads; ++i)
+                sum += count[(i + thread) % threads]; // each kind in a bank of its own
+            atomic_add(counters->of + thread, sum);
         });
     }
 };
@@ -272,24 +271,34 @@ struct AddToFilm {
     {
         block.run_apart([&](int thread) {
             const std::size_t i = static_cast<std::size_t>(block.index.x) * threads + static_cast<std::size_t>(thread);
-            if (i < 3 * pixels) {
-                int left = until_block_end;
-                for (int sample = 0; sample < count; ++sample) {
-                    --left;
-                    add_color(film, i, color[static_cast<std::size_t>(sample) * 3 * pixels + i],
-                              left == 0 ? BlockEnd::yes : BlockEnd::no);
-                    if (left == 0)
-                        left = static_cast<int>(samples_a_block);
-                }
-            }
-            if (i < feature_count * pixels)
+            if (i < 3 * pixels)
+                add_colors(i);
+            if (i < feature_count * pixels) {
+                float sum = film.features[i];
                 for (int sample = 0; sample < count; ++sample)
-                    film.features[i] += features[static_cast<std::size_t>(sample) * feature_count * pixels + i];
+                    sum += features[static_cast<std::size_t>(sample) * feature_count * pixels + i];
+                film.features[i] = sum;
+            }
         });
+    }
+
+private:
+    LUMISWEEP_HD void add_colors(std::size_t i) const
+    {
+        ColorSums sums = load_sums(film, i);
+        int left = until_block_end;
+        for (int sample = 0; sample < count; ++sample) {
+            const BlockEnd end = --left == 0 ? BlockEnd::yes : BlockEnd::no;
+            sums.add(color[static_cast<std::size_t>(sample) * 3 * pixels + i], end);
+            left = end == BlockEnd::yes ? static_cast<int>(samples_a_block) : left;
+        }
+        store_sums(film, i, sums);
     }
 };
 
 } // namespace
+
+bool can_draw_paths() { return has_code<DrawPaths<std::uint8_t>>(); }
 
 void draw_paths(const SceneView& scene, const SampleBatch& batch, std::uint32_t begin, std::uint32_t end,
                 PathCounters* counters, int multiprocessors, const Stream& stream)

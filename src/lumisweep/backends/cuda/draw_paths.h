@@ -29,13 +29,17 @@ struct SampleBatch {
     }
 };
 
-/// What threads add to while they draw.
+/// What threads add to while they draw: PassCounts by kind.
 struct PathCounters {
+    enum Kind { paths, shadow_rays, camera_steps, shadow_steps, advance_steps, advance_lanes, candidate_lanes, kinds };
+
+    std::uint64_t of[kinds] = {};
     std::uint32_t next = 0; ///< paths begun in this launch
     std::uint32_t unused = 0;
-    std::uint64_t paths = 0, shadow_rays = 0, camera_steps = 0, shadow_steps = 0, advance_steps = 0, advance_lanes = 0,
-                  candidate_lanes = 0;
 };
+
+/// Whether this build has code for the device.
+bool can_draw_paths();
 
 /// Draws the paths with numbers [begin, end), sample by sample. `counters` are in the device's memory. Which thread
 /// draws a path depends on the moment, what it brings does not.

@@ -140,6 +140,16 @@ int resident_blocks(int shared_bytes)
     return blocks;
 }
 
+/// Whether the build has code that the device runs.
+template <class Kernel>
+bool has_code()
+{
+    cudaFuncAttributes attributes{};
+    const bool found = cudaFuncGetAttributes(&attributes, run_kernel<Kernel>) == cudaSuccess;
+    cudaGetLastError();
+    return found;
+}
+
 #else
 
 template <class Kernel>
@@ -162,6 +172,12 @@ template <class Kernel>
 int resident_blocks(int)
 {
     return Kernel::blocks_a_multiprocessor;
+}
+
+template <class Kernel>
+bool has_code()
+{
+    return true;
 }
 
 #endif

@@ -1,6 +1,7 @@
 #include "lumisweep/backends/cuda/pass_queue.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace lumisweep::LUMISWEEP_CUDA {
 
@@ -27,22 +28,24 @@ PassQueue::PassQueue(int multiprocessors)
 {
 }
 
-void PassQueue::clear(int width, int height, const Stream& stream)
+void PassQueue::clear(int width, int height)
 {
     pending_ = 0;
-    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    for (DeviceArray<double>* sum : {&color_sum_, &color_sum_squares_, &block_sum_squares_, &block_begin_}) {
-        sum->resize(3 * pixels, "the film");
-        fill_on_device(sum->data(), 0, sum->bytes(), stream);
-    }
-    features_.resize(feature_count * pixels, "the film");
-    fill_on_device(features_.data(), 0, features_.bytes(), stream);
+    empty_ = true;
     batch_.width = width;
     batch_.height = height;
+}
+
+void PassQueue::take_memory(const Stream& stream)
+{
     batch_size_ = batch_of(batch_.numbers_a_sample(), paths_a_launch_);
-    sample_color_.resize(3 * pixels * static_cast<std::size_t>(batch_size_), "samples of a batch of passes");
-    sample_features_.resize(feature_count * pixels * static_cast<std::size_t>(batch_size_),
-                            "samples of a batch of passes");
+    const std::size_t pixels = batch_.pixels(), samples = pixels * static_cast<std::size_t>(batch_size_);
+    constexpr const char *film = "the film", *batch = "samples of a batch of passes";
+    for (DeviceArray<double>* sum : {&color_sum_, &color_sum_squares_, &block_sum_squares_, &block_begin_})
+        sum->resize(3 * pixels, film);
+    features_.resize(feature_count * pixels, film);
+    sample_color_.resize(3 * samples, batch);
+    sample_features_.resize(feature_count * samples, batch);
     batch_.color = sample_color_.data();
     batch_.features = sample_features_.data();
     if (counters_.empty()) {
@@ -54,12 +57,14 @@ void PassQueue::clear(int width, int height, const Stream& stream)
 void PassQueue::restore(const FilmArrays& arrays, const Stream& stream)
 {
     pending_ = 0;
-    color_sum_.upload(arrays.color_sum.span(), "the film", stream);
-    color_sum_squares_.upload(arrays.color_sum_squares.span(), "the film", stream);
-    block_sum_squares_.upload(arrays.block_sum_squares.span(), "the film", stream);
-    block_begin_.upload(arrays.block_begin.span(), "the film", stream);
-    features_.upload(arrays.features.span(), "the film", stream);
-    stream.wait();
+    take_memory(stream);
+    const auto put = [&](auto& to, const auto& from) { copy_.upload(to.data(), from.data(), from.bytes(), stream); };
+    put(color_sum_, arrays.color_sum);
+    put(color_sum_squares_, arrays.color_sum_squares);
+    put(block_sum_squares_, arrays.block_sum_squares);
+    put(block_begin_, arrays.block_begin);
+    put(features_, arrays.features);
+    empty_ = false;
 }
 
 FilmSums PassQueue::sums()
@@ -73,6 +78,13 @@ PassEnd PassQueue::take(const SceneView& scene, std::int64_t sample, const std::
 {
     if (cancel != nullptr && cancel->load(std::memory_order_relaxed))
         return PassEnd::cancelled;
+    if (empty_) {
+        take_memory(stream);
+        for (DeviceArray<double>* sum : {&color_sum_, &color_sum_squares_, &block_sum_squares_, &block_begin_})
+            fill_on_device(sum->data(), 0, sum->bytes(), stream);
+        fill_on_device(features_.data(), 0, features_.bytes(), stream);
+        empty_ = false;
+    }
     if (pending_ == 0) {
         scene_ = scene;
         first_pending_ = sample;
@@ -81,11 +93,17 @@ PassEnd PassQueue::take(const SceneView& scene, std::int64_t sample, const std::
     return pending_ < batch_size_ ? PassEnd::complete : draw(cancel, stream);
 }
 
-void PassQueue::wait_for_one(const Stream& stream)
+void PassQueue::draw_pending(const Stream& stream)
 {
-    Event& launched = launched_[launches_++ % launches_ahead];
-    launched.record(stream);
-    launched_[launches_ % launches_ahead].wait();
+    if (pending_ > 0)
+        draw(nullptr, stream);
+}
+
+/// The host goes on when all launches but the last have ended.
+void PassQueue::keep_two_launches(const Stream& stream)
+{
+    launched_[launches_++ % 2].record(stream);
+    launched_[launches_ % 2].wait();
 }
 
 PassEnd PassQueue::draw(const std::atomic<bool>* cancel, const Stream& stream)
@@ -99,7 +117,7 @@ PassEnd PassQueue::draw(const std::atomic<bool>* cancel, const Stream& stream)
         const std::uint32_t end = begin + std::min(numbers - begin, paths_a_launch_);
         fill_on_device(&counters_.data()->next, 0, sizeof(std::uint32_t), stream);
         draw_paths(scene_, batch_, begin, end, counters_.data(), multiprocessors_, stream);
-        wait_for_one(stream);
+        keep_two_launches(stream);
         begin = end;
     }
     add_to_film(sums(), batch_, count, first_pending_, stream);
@@ -108,13 +126,18 @@ PassEnd PassQueue::draw(const std::atomic<bool>* cancel, const Stream& stream)
 
 void PassQueue::fetch(FilmArrays& arrays, const Stream& stream)
 {
-    if (pending_ > 0)
-        draw(nullptr, stream);
-    color_sum_.download(arrays.color_sum.span(), stream);
-    color_sum_squares_.download(arrays.color_sum_squares.span(), stream);
-    block_sum_squares_.download(arrays.block_sum_squares.span(), stream);
-    block_begin_.download(arrays.block_begin.span(), stream);
-    features_.download(arrays.features.span(), stream);
+    draw_pending(stream);
+    const auto get = [&](auto& to, const auto& from) {
+        if (empty_)
+            std::fill(to.begin(), to.end(), 0.0F);
+        else
+            copy_.download(to.data(), from.data(), to.bytes(), stream);
+    };
+    get(arrays.color_sum, color_sum_);
+    get(arrays.color_sum_squares, color_sum_squares_);
+    get(arrays.block_sum_squares, block_sum_squares_);
+    get(arrays.block_begin, block_begin_);
+    get(arrays.features, features_);
     stream.wait();
 }
 
@@ -122,19 +145,18 @@ PassCounts PassQueue::counts(const Stream& stream)
 {
     if (counters_.empty())
         return {};
-    if (pending_ > 0)
-        draw(nullptr, stream);
+    draw_pending(stream);
     PathCounters counters;
     copy_to_host(&counters, counters_.data(), sizeof(counters), stream);
     stream.wait();
     PassCounts counts;
-    counts.paths = counters.paths;
-    counts.shadow_rays = counters.shadow_rays;
-    counts.camera_steps = counters.camera_steps;
-    counts.shadow_steps = counters.shadow_steps;
-    counts.advance_steps = counters.advance_steps;
-    counts.advance_lanes = counters.advance_lanes;
-    counts.candidate_lanes = counters.candidate_lanes;
+    counts.paths = counters.of[PathCounters::paths];
+    counts.shadow_rays = counters.of[PathCounters::shadow_rays];
+    counts.camera_steps = counters.of[PathCounters::camera_steps];
+    counts.shadow_steps = counters.of[PathCounters::shadow_steps];
+    counts.advance_steps = counters.of[PathCounters::advance_steps];
+    counts.advance_lanes = counters.of[PathCounters::advance_lanes];
+    counts.candidate_lanes = counters.of[PathCounters::candidate_lanes];
     return counts;
 }
 

@@ -155,6 +155,7 @@ bool has_code()
 template <class Kernel>
 void launch(const char*, const Stream&, const Vec3i& grid, int shared_bytes, const Kernel& kernel)
 {
+    static_assert(Kernel::blocks_a_multiprocessor > 0);
     if (grid.x <= 0 || grid.y <= 0 || grid.z <= 0)
         return;
     const std::int64_t row = grid.x, slice = row * grid.y;

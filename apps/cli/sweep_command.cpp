@@ -159,10 +159,11 @@ void print_json(const SweepRun& run)
     json["threads"] = run.threads;
     json["device"] = run.device;
     json["memory_bytes"] = {{"volume", run.volume_bytes},
-                            {"extinction", run.extinction_bytes},
                             {"visibility", run.visibility_bytes},
                             {"product", run.product_bytes},
                             {"peak_rss", peak_resident_memory()}};
+    if (run.device == "cpu")
+        json["memory_bytes"]["extinction"] = run.extinction_bytes;
     if (run.check)
         json["check"] = {{"positions", run.check->positions},
                          {"rms", run.check->rms},
@@ -192,9 +193,10 @@ void print_text(const SweepRun& run)
     else
         fmt::print("  {:.3g} voxel steps a second\n", steps_per_second(run));
     fmt::print("product          {:.3f} s\n", run.product_s);
-    fmt::print("memory           volume {}, extinction {}, visibility {}, product {}, peak {}\n",
-               format_bytes(run.volume_bytes), format_bytes(run.extinction_bytes), format_bytes(run.visibility_bytes),
-               format_bytes(run.product_bytes), format_bytes(peak_resident_memory()));
+    fmt::print("memory           volume {}, {}visibility {}, product {}, peak {}\n", format_bytes(run.volume_bytes),
+               run.device == "cpu" ? fmt::format("extinction {}, ", format_bytes(run.extinction_bytes)) : "",
+               format_bytes(run.visibility_bytes), format_bytes(run.product_bytes),
+               format_bytes(peak_resident_memory()));
     if (run.check)
         fmt::print(
             "check            {} positions: rms {:.4f}, largest {:.4f} against brute force; rms {:.4f}, largest {:.4f} "

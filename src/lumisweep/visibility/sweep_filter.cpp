@@ -11,7 +11,7 @@ namespace {
 void bound(const Box& box, std::uint16_t* line, int count)
 {
     if (box.shift > most_exact_shift)
-        std::transform(line, line + count, line, bounded_visibility);
+        std::transform(line, line + count, line, [](std::uint16_t v) { return bounded_visibility(v); });
 }
 
 } // namespace

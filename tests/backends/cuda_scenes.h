@@ -3,13 +3,13 @@
 // otherwise.
 #pragma once
 
-#include <cstring>
 #include <memory>
 
 #include <gtest/gtest.h>
 
 #include "lumisweep/backends/cuda/cuda_backend.h"
 #include "lumisweep/render/backend.h"
+#include "support/films.h"
 #include "support/scenes.h"
 
 namespace lumisweep::test {
@@ -59,28 +59,6 @@ inline SessionInput small_smoke(Vec3i size = {32, 24, 28})
     return input;
 }
 
-template <class T>
-bool same_bits(const AlignedArray<T>& a, const AlignedArray<T>& b)
-{
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.bytes()) == 0;
-}
-
-inline ::testing::AssertionResult same_film(const Film& a, const Film& b)
-{
-    if (a.samples() != b.samples())
-        return ::testing::AssertionFailure() << a.samples() << " and " << b.samples() << " samples";
-    if (!same_bits(a.arrays().features, b.arrays().features))
-        return ::testing::AssertionFailure() << "features differ";
-    if (!same_bits(a.arrays().color_sum, b.arrays().color_sum))
-        return ::testing::AssertionFailure() << "colours differ";
-    if (!same_bits(a.arrays().color_sum_squares, b.arrays().color_sum_squares))
-        return ::testing::AssertionFailure() << "squares differ";
-    if (!same_bits(a.arrays().block_sum_squares, b.arrays().block_sum_squares) ||
-        !same_bits(a.arrays().block_begin, b.arrays().block_begin))
-        return ::testing::AssertionFailure() << "blocks differ";
-    return ::testing::AssertionSuccess();
-}
-
 /// Whether a film on the device is that of the CPU: to the bit where arithmetic is the same, else but for the few
 /// samples for which a rounding has decided otherwise.
 inline ::testing::AssertionResult same_paths(const Film& device, const Film& host)
@@ -91,7 +69,7 @@ inline ::testing::AssertionResult same_paths(const Film& device, const Film& hos
     std::size_t differ = a.size() == b.size() ? 0 : a.size();
     for (std::size_t i = 0; differ < a.size() && i < a.size(); ++i)
         differ += std::fabs(a[i] - b[i]) > 1e-3 * std::fabs(b[i]) + 1e-6 ? 1 : 0;
-    if (differ * 50 > a.size())
+    if (differ > 3 && differ * 50 > a.size()) // of the smallest images one pixel
         return ::testing::AssertionFailure() << differ << " of " << a.size() << " values differ";
     return ::testing::AssertionSuccess();
 }

@@ -11,6 +11,7 @@
 #include <tbb/task_arena.h>
 
 #include "support/effort.h"
+#include "support/films.h"
 #include "support/scenes.h"
 
 namespace lumisweep {
@@ -28,28 +29,6 @@ SessionInput ct_scene(Vec3i size = {27, 30, 25})
     return input;
 }
 
-template <class T>
-bool same_bits(const AlignedArray<T>& a, const AlignedArray<T>& b)
-{
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.bytes()) == 0;
-}
-
-::testing::AssertionResult same_film(const Film& a, const Film& b)
-{
-    if (a.samples() != b.samples())
-        return ::testing::AssertionFailure() << a.samples() << " and " << b.samples() << " samples";
-    if (!same_bits(a.arrays().color_sum, b.arrays().color_sum))
-        return ::testing::AssertionFailure() << "colours differ";
-    if (!same_bits(a.arrays().color_sum_squares, b.arrays().color_sum_squares))
-        return ::testing::AssertionFailure() << "squares differ";
-    if (!same_bits(a.arrays().block_sum_squares, b.arrays().block_sum_squares) ||
-        !same_bits(a.arrays().block_begin, b.arrays().block_begin))
-        return ::testing::AssertionFailure() << "blocks differ";
-    if (!same_bits(a.arrays().features, b.arrays().features))
-        return ::testing::AssertionFailure() << "features differ";
-    return ::testing::AssertionSuccess();
-}
-
 TEST(Repeatability, SameBitsForAnyNumberOfThreads)
 {
     const tbb::global_control seven(tbb::global_control::max_allowed_parallelism, 7);
@@ -65,7 +44,7 @@ TEST(Repeatability, SameBitsForAnyNumberOfThreads)
                 if (threads == 1)
                     one = std::move(session);
                 else
-                    EXPECT_TRUE(same_film(one->film(), session->film()))
+                    EXPECT_TRUE(test::same_film(one->film(), session->film()))
                         << threads << " threads, " << isa << ", " << width;
             }
         }
@@ -94,7 +73,7 @@ TEST(Repeatability, NothingDependsOnWhatTheStackHeld)
             soil_stack();
             soiled->render_pass();
         });
-        EXPECT_TRUE(same_film(clean->film(), soiled->film())) << isa;
+        EXPECT_TRUE(test::same_film(clean->film(), soiled->film())) << isa;
     }
 }
 
@@ -129,7 +108,7 @@ TEST(Repeatability, CancelledPassesLeaveNoTrace)
     }
     while (session.film().samples() < 4)
         session.render_pass();
-    EXPECT_TRUE(same_film(straight->film(), session.film()));
+    EXPECT_TRUE(test::same_film(straight->film(), session.film()));
 }
 
 TEST(Repeatability, RestoredFilmGoesOnAsIfNothingHappened)
@@ -151,7 +130,7 @@ TEST(Repeatability, RestoredFilmGoesOnAsIfNothingHappened)
     resumed.restore_film(std::move(saved));
     for (int i = 0; i < 16; ++i)
         resumed.render_pass();
-    EXPECT_TRUE(same_film(straight->film(), resumed.film()));
+    EXPECT_TRUE(test::same_film(straight->film(), resumed.film()));
     EXPECT_ANY_THROW(resumed.restore_film(Film(3, 4)));
 }
 
@@ -203,7 +182,7 @@ TEST(Repeatability, SameBitsForAnyNumberOfShadowRaysAndThreads)
                 std::unique_ptr<Session> one, other;
                 tbb::task_arena(1).execute([&] { one = test::rendered(input, 2, isa); });
                 tbb::task_arena(2).execute([&] { other = test::rendered(input, 2, isa); });
-                EXPECT_TRUE(same_film(one->film(), other->film())) << shadow_rays << " shadow rays, " << isa;
+                EXPECT_TRUE(test::same_film(one->film(), other->film())) << shadow_rays << " shadow rays, " << isa;
                 EXPECT_EQ(one->stats().counts.shadow_rays, other->stats().counts.shadow_rays);
                 EXPECT_EQ(one->stats().counts.camera_steps, other->stats().counts.camera_steps);
             }
@@ -245,7 +224,7 @@ TEST(Repeatability, SettersLeaveNothingStale)
                 changes[c](input, session, other);
                 session.render_pass();
                 session.render_pass();
-                EXPECT_TRUE(same_film(test::rendered(input, 2)->film(), session.film())) << "change " << c;
+                EXPECT_TRUE(test::same_film(test::rendered(input, 2)->film(), session.film())) << "change " << c;
             }
         }
     }

@@ -12,6 +12,7 @@
 #include "backends/emulated_device.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/visibility/extinction_grid.h"
+#include "support/random_function.h"
 #include "visibility/generated_volumes.h"
 
 namespace lumisweep::LUMISWEEP_CUDA {
@@ -106,26 +107,13 @@ std::vector<ScalarGrid> volumes_of_all_types(Vec3i size)
     return volumes;
 }
 
-/// `points` at random, some on the same value, so that there are steps; every fourth 0.
-TransferFunction random_function(int points, std::mt19937& random)
-{
-    std::vector<TransferPoint> list;
-    for (int i = 0; i < points; ++i)
-        list.push_back({std::floor(std::uniform_real_distribution<double>(-40.0, 1100.0)(random)),
-                        i % 4 == 0 ? 0.0 : std::uniform_real_distribution<double>(0.0, 3.0)(random)});
-    std::sort(list.begin(), list.end(),
-              [](const TransferPoint& a, const TransferPoint& b) { return a.value < b.value; });
-    list.push_back({list.back().value, 1.0});
-    return TransferFunction(list, 0.7);
-}
-
 TEST(DeviceClassifyTest, SameAsOnTheHost)
 {
     std::mt19937 random(17);
     std::vector<TransferFunction> functions{smoke(), TransferFunction({{400.0, 1.0}}),
                                             TransferFunction({{200.0, 0.0}, {200.0, 3.0}, {500.0, 3.0}, {500.0, 0.0}})};
     for (const int points : {13, 14, 15, 60})
-        functions.push_back(random_function(points, random));
+        functions.push_back(test::random_function(points, random, 0.7));
     for (const Vec3i size :
          {Vec3i{1, 1, 1}, {3, 2, 5}, {64, 16, 3}, {131, 77, 5}, {7, 130, 4}, {68, 33, 9}, {2, 3, 300}, {145, 259, 2}})
         for (const ScalarGrid& volume : volumes_of_all_types(size)) {

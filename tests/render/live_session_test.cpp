@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "support/effort.h"
+#include "support/films.h"
 #include "support/scenes.h"
 
 namespace lumisweep {
@@ -47,15 +48,6 @@ SessionInput slow_scene()
         if (std::memcmp(a.visibility().direction(d), b.visibility().direction(d), a.visibility().cell_count()) != 0)
             return ::testing::AssertionFailure() << "direction " << d << " differs";
     return ::testing::AssertionSuccess();
-}
-
-bool same_film(const Session& a, const Session& b)
-{
-    const auto same = [](const auto& x, const auto& y) {
-        return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.bytes()) == 0;
-    };
-    return a.film().samples() == b.film().samples() && same(a.film().color_sum(), b.film().color_sum()) &&
-           same(a.film().arrays().color_sum_squares, b.film().arrays().color_sum_squares);
 }
 
 TEST(SessionStages, LightingChangesRedoOnlyTheProduct)
@@ -121,7 +113,7 @@ TEST(SessionConcurrency, PreparedAfterEditsItIsTheSynchronousOneToTheBit)
             session.render_pass();
             fresh.render_pass();
         }
-        EXPECT_TRUE(same_film(session, fresh)) << what;
+        EXPECT_TRUE(test::same_film(session.film(), fresh.film())) << what;
     };
     expect_same("first sweep");
     for (const double scale : {0.5, 3.0, 0.1})

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "generated_volumes.h"
+#include "support/random_function.h"
 
 namespace lumisweep {
 namespace {
@@ -50,16 +51,8 @@ TEST(ClassifyBlock, SameForEveryInstructionSet)
     std::mt19937 random(17);
     // Few points are searched in registers, many by gathers; steps, falling flanks, values at points, empty parts.
     std::vector<TransferFunction> functions{smoke(), bone(), TransferFunction({{400.0, 1.0}})};
-    for (const int points : {2, 14, 15, 16, 17, 60}) {
-        std::vector<TransferPoint> list;
-        for (int i = 0; i < points; ++i)
-            list.push_back({std::floor(std::uniform_real_distribution<double>(-40.0, 1100.0)(random)),
-                            i % 4 == 0 ? 0.0 : std::uniform_real_distribution<double>(0.0, 3.0)(random)});
-        std::sort(list.begin(), list.end(),
-                  [](const TransferPoint& a, const TransferPoint& b) { return a.value < b.value; });
-        list.push_back({list.back().value, 1.0});
-        functions.emplace_back(list);
-    }
+    for (const int points : {2, 14, 15, 16, 17, 60})
+        functions.push_back(test::random_function(points, random));
     for (const Vec3i size : {Vec3i{64, 64, 3}, {131, 77, 5}, {1, 1, 1}, {7, 130, 2}, {67, 515, 2}})
         for (const TransferFunction& tf : functions) {
             ScalarGrid i16 = smoke_like(size, Affine3d{});

@@ -41,6 +41,8 @@ void check(const VisibilityGrid& grid, const ExtinctionGrid& extinction, const V
                 grid.direction_count() - 1);
 }
 
+bool cancelled(const std::atomic<bool>* cancel) { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
+
 int threads_of_arena() { return tbb::this_task_arena::max_concurrency(); }
 
 std::vector<SweepTask> plan(const MarchedLevel& level, const VisibilitySettings& settings,
@@ -61,7 +63,7 @@ class Worker {
 public:
     Worker(const SweepKernels& kernels, const MarchedLevel& level, const VisibilitySettings& settings,
            const std::atomic<bool>* cancel)
-        : level_(level), lines_per_texel_(settings.oversampling), march_(level, kernels, cancel),
+        : level_(level), lines_per_texel_(settings.oversampling), cancel_(cancel), march_(level, kernels, cancel),
           visibility_(level, kernels, std::tan(filter_angle(settings.filter, settings.directions)), cancel)
     {
     }
@@ -88,8 +90,11 @@ private:
             const ProcessorStopwatch watch(stats_.layout_s);
             if (planes_.size() < group.size())
                 planes_.resize(group.size());
-            for (std::size_t i = 0; i < group.size(); ++i)
+            for (std::size_t i = 0; i < group.size(); ++i) {
+                if (cancelled(cancel_)) // many planes with many small cells take tens of milliseconds
+                    return false;
                 planes_[i].start(level_, group[i].w_world);
+            }
         }
         return march_.run(std::span(planes_).first(group.size()), stats_);
     }
@@ -100,8 +105,11 @@ private:
         const std::vector<int> directions = task.directions();
         const std::size_t cells = grid.cell_count();
         std::vector<AlignedArray<std::uint16_t>> sums;
-        for (std::size_t i = 0; i < directions.size(); ++i)
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+            if (cancelled(cancel_)) // setting the sums of many small cells to zero takes tens of milliseconds
+                return;
             sums.emplace_back(cells);
+        }
         AlignedArray<std::uint8_t> low(cells, Contents::uninitialised), high(cells, Contents::uninitialised);
         const auto add = [&](int direction, const AlignedArray<std::uint8_t>& line) {
             for (std::size_t i = 0; i < directions.size(); ++i)
@@ -123,13 +131,14 @@ private:
             }
         }
         const int lines = lines_per_texel_;
-        for (std::size_t i = 0; i < directions.size(); ++i)
+        for (std::size_t i = 0; i < directions.size() && !cancelled(cancel_); ++i)
             std::transform(sums[i].begin(), sums[i].end(), grid.direction(directions[i]),
                            [&](std::uint16_t sum) { return static_cast<std::uint8_t>((sum + lines / 2) / lines); });
     }
 
     const MarchedLevel& level_;
     int lines_per_texel_;
+    const std::atomic<bool>* cancel_;
     GroupMarch march_;
     PairVisibility visibility_;
     std::vector<RayPlane> planes_;
@@ -197,7 +206,7 @@ SweepStats sweep_visibility_with(const SweepKernels& kernels, VisibilityGrid& gr
     tbb::enumerable_thread_specific<Worker> worker_of_thread(
         [&] { return Worker(kernels, marched, settings, cancel); });
     parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
-        if (cancel != nullptr && cancel->load(std::memory_order_relaxed))
+        if (cancelled(cancel))
             return;
         if (extinction.scale > 0.0F)
             worker_of_thread.local().run(tasks[i], grid);

@@ -175,7 +175,8 @@ inline __attribute__((always_inline)) void run_lanes(const LaneInput& in, LaneOu
 
         put_int(i_select, select(on, i, j)), put_int(i_add, wrapping_add(i, j)), put_int(i_subtract, index - I(77));
         put_int(i_multiply, index * I(1000)), put_int(i_and, i & j), put_int(i_or, i | j), put_int(i_xor, i ^ j);
-        put_int(i_min, min(i, j)), put_int(i_max, max(i, j)), put_int(i_to_int, to_int(a)),
+        put_int(i_min, min(i, j)), put_int(i_max, max(i, j)),
+            put_int(i_to_int, to_int(select(abs(a) < F(2e9F), a, F(0.0F)))),
             put_int(i_wrapping_mul, wrapping_mul(i, j));
         put_int(i_wrapping_add, wrapping_add(i, j)), put_int(i_shift_left, shift_left<7>(i)),
             put_int(i_shift_right, shift_right<7>(i));

@@ -162,7 +162,9 @@ struct AverageLines {
             return;
         const SweepScratch& scratch = batch.scratch;
         const std::size_t words = scratch.cell_stride / 4;
-        std::uint32_t* sums = scratch.sums + static_cast<std::size_t>(slot) * 2 * words;
+        // Where all lines of a texel come at once, nothing is kept between batches.
+        std::uint32_t* sums =
+            averaged.begins && averaged.ends ? nullptr : scratch.sums + static_cast<std::size_t>(slot) * 2 * words;
         std::uint32_t* out =
             reinterpret_cast<std::uint32_t*>(averaged.grid + static_cast<std::size_t>(direction) * averaged.stride);
         block.run_apart([&](int thread) {

@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::shared_ptr<SessionHandle> from_parts(const std::shared_ptr<VolumeHandle>& volume,
-                                          const std::optional<TransferFunction>& transfer_function,
-                                          std::shared_ptr<EnvironmentHandle> environment,
-                                          const std::optional<Camera>& camera, const ImageSettings& image,
-                                          const RenderSettings& render, const VisibilitySettings& visibility,
-                                          int threads, const std::string& isa, const std::string& device)
+std::shared_ptr<SessionHandle> session_from_parts(const std::shared_ptr<VolumeHandle>& volume,
+                                                  const std::optional<TransferFunction>& transfer_function,
+                                                  std::shared_ptr<EnvironmentHandle> environment,
+                                                  const std::optional<Camera>& camera, const ImageSettings& image,
+                                                  const RenderSettings& render, const VisibilitySettings& visibility,
+                                                  int threads, const std::string& isa, const std::string& device)
 {
     require(volume != nullptr, "session: volume is None");
     ChosenBackend chosen = make_backend(device_of(device), isa);
@@ -81,8 +81,9 @@ SceneDescription described(const py::object& scene, const py::dict& overrides, c
     return parse_scene(json_text(scene), "scene", fs::absolute(base_directory), replaced);
 }
 
-std::shared_ptr<SessionHandle> load(const py::object& scene, const py::dict& overrides, const fs::path& base_directory,
-                                    int threads, const std::string& isa, const std::string& device)
+std::shared_ptr<SessionHandle> session_from_scene(const py::object& scene, const py::dict& overrides,
+                                                  const fs::path& base_directory, int threads, const std::string& isa,
+                                                  const std::string& device)
 {
     ChosenBackend chosen = make_backend(device_of(device), isa);
     std::unique_ptr<tbb::task_arena> arena = make_arena(threads);
@@ -163,13 +164,13 @@ void bind_session(py::module_& module)
 
 Set attributes between passes; only what depends on them is redone. render, prepare and sweeps let other Python threads run
 and end at Ctrl-C with KeyboardInterrupt, with the passes so far in the film. Meanwhile the session refuses other calls.)")
-        .def(py::init(&from_parts), py::arg("volume"), py::arg("transfer_function") = none,
+        .def(py::init(&session_from_parts), py::arg("volume"), py::arg("transfer_function") = none,
              py::arg("environment") = none, py::kw_only(), py::arg("camera") = none,
              py::arg("image_settings") = ImageSettings{}, py::arg("render_settings") = RenderSettings{},
              py::arg("visibility_settings") = VisibilitySettings{}, py::arg("threads") = 0, py::arg("isa") = "auto",
              py::arg("device") = "cpu",
              "What is None is chosen as for the command line: a preset, the sky, a camera that frames the volume.")
-        .def_static("load", &load, py::arg("scene"), py::kw_only(), py::arg("overrides") = py::dict(),
+        .def_static("load", &session_from_scene, py::arg("scene"), py::kw_only(), py::arg("overrides") = py::dict(),
                     py::arg("base_directory") = ".", py::arg("threads") = 0, py::arg("isa") = "auto",
                     py::arg("device") = "cpu",
                     R"(From a scene file, or a dictionary with a scene file's entries.

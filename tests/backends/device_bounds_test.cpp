@@ -31,12 +31,12 @@ void expect_equal(const ScalarGrid& volume)
 
     ASSERT_EQ(bounds.block_count(), expected.blocks());
     std::vector<CellBounds> blocks(bounds.block_count());
-    std::vector<CellRow> cells(blocks.size() * rows_of_block);
+    std::vector<BoundsRow> cells(blocks.size() * rows_of_block);
     copy_to_host(blocks.data(), bounds.blocks(), blocks.size() * sizeof(CellBounds), stream);
-    copy_to_host(cells.data(), bounds.cells(), cells.size() * sizeof(CellRow), stream);
+    copy_to_host(cells.data(), bounds.cells(), cells.size() * sizeof(BoundsRow), stream);
     stream.wait();
     EXPECT_EQ(std::memcmp(blocks.data(), &expected.block(0), blocks.size() * sizeof(CellBounds)), 0);
-    EXPECT_EQ(std::memcmp(cells.data(), expected.cells(0), cells.size() * sizeof(CellRow)), 0);
+    EXPECT_EQ(std::memcmp(cells.data(), expected.cells(0), cells.size() * sizeof(BoundsRow)), 0);
     EXPECT_EQ(bounds.bytes(), expected.bytes());
 }
 

@@ -90,7 +90,7 @@ void expect_same(OnDevice& device, const ScalarGrid& volume, const TransferFunct
 std::vector<ScalarGrid> volumes_of_all_types(Vec3i size)
 {
     std::vector<ScalarGrid> volumes;
-    volumes.push_back(smoke_like(size, oblique()));
+    volumes.push_back(smoke_volume(size, oblique()));
     volumes.emplace_back(VoxelType::u8, size, Affine3d{}, 4.3, 20.0);
     volumes.emplace_back(VoxelType::u16, size, Affine3d{}, -1.0, 900.0);
     volumes.emplace_back(VoxelType::f32, size, Affine3d{}, 1.7, 3.0);
@@ -136,7 +136,7 @@ TEST(DeviceClassifyTest, LargestSumsFit)
 
 TEST(DeviceClassifyTest, AnEditUploadsOnlyItsTransferFunction)
 {
-    const ScalarGrid volume = smoke_like({40, 30, 20}, Affine3d{});
+    const ScalarGrid volume = smoke_volume({40, 30, 20}, Affine3d{});
     OnDevice device(volume);
     device.classify(smoke(), 0);
     const std::uint64_t before = bytes_uploaded();
@@ -148,7 +148,7 @@ TEST(DeviceClassifyTest, AnEditUploadsOnlyItsTransferFunction)
 
 TEST(DeviceClassifyTest, EmptyVolumesHaveNoScale)
 {
-    const ScalarGrid volume = smoke_like({20, 10, 5}, Affine3d{});
+    const ScalarGrid volume = smoke_volume({20, 10, 5}, Affine3d{});
     OnDevice device(volume);
     EXPECT_GT(device.classify(smoke(), 0).scale, 0.0F);
     EXPECT_EQ(device.classify(TransferFunction({{0.0, 0.0}}), 0).scale, 0.0F);

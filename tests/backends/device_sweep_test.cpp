@@ -117,7 +117,7 @@ TEST_F(DeviceSweeps, AnyFilterAndDirections)
 // Several tiles of rays along both axes of each plane, and boxes so wide that V is shifted down.
 TEST_F(DeviceSweeps, LargerThanATile)
 {
-    const ScalarGrid volume = ct_like({150, 70, 90}, spaced({0.8, 1.0, 0.9}));
+    const ScalarGrid volume = ct_volume({150, 70, 90}, spaced({0.8, 1.0, 0.9}));
     const ExtinctionGrid extinction = classified(volume, bone());
     expect_equal(extinction, settings_of(4, 4));
     expect_equal(extinction, settings_of(4, 2, SweepFilter::full_angle));
@@ -156,7 +156,7 @@ TEST_F(DeviceSweeps, OneVoxelThin)
 
 TEST_F(DeviceSweeps, OfMipLevels)
 {
-    const ScalarGrid volume = smoke_like({61, 50, 71}, oblique());
+    const ScalarGrid volume = smoke_volume({61, 50, 71}, oblique());
     for (const int rays : {40, 20, 9}) {
         VisibilitySettings settings = settings_of(4, 3);
         settings.rays = rays;

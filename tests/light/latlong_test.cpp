@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include "environments.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/image/hdr.h"
 #include "lumisweep/math/morton.h"
@@ -17,6 +18,8 @@
 
 namespace lumisweep {
 namespace {
+
+using test::flux;
 
 Image black(int width, int height)
 {
@@ -38,17 +41,6 @@ void set(Image& image, int column, int row, const Vec3d& rgb)
 double pixel_sr(const Image& image, int row)
 {
     return 2.0 * pi / image.width * (std::cos(pi * row / image.height) - std::cos(pi * (row + 1) / image.height));
-}
-
-/// ∫ L dω.
-Vec3d flux(const Environment& environment)
-{
-    const int n = environment.resolution();
-    Vec3d sum{0, 0, 0};
-    for (int i = 0; i < n * n; ++i)
-        for (int c = 0; c < 3; ++c)
-            component(sum, c) += environment.view().radiance[3 * i + c];
-    return sum * (4.0 * pi / n / n);
 }
 
 /// The direction of a point of the image (in pixels from its upper left corner), by the documented convention.

@@ -6,12 +6,16 @@
 
 #include <gtest/gtest.h>
 
+#include "environments.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/math/morton.h"
 #include "lumisweep/math/octahedral.h"
 
 namespace lumisweep {
 namespace {
+
+using test::flux;
+using test::texel;
 
 SkySettings dark()
 {
@@ -20,26 +24,11 @@ SkySettings dark()
     return sky;
 }
 
-Vec3d texel(const Environment& environment, int i)
-{
-    const float* rgb = environment.view().radiance + 3 * static_cast<std::size_t>(i);
-    return {rgb[0], rgb[1], rgb[2]};
-}
-
 Vec3d texel_direction(const Environment& environment, int i)
 {
     const int n = environment.resolution();
     const TexelXY<int> t = morton_decode(i);
     return direction_from_oct(UV<double>{(t.x + 0.5) / n, (t.y + 0.5) / n});
-}
-
-Vec3d flux(const Environment& environment)
-{
-    const int n = environment.resolution();
-    Vec3d sum{0, 0, 0};
-    for (int i = 0; i < n * n; ++i)
-        sum = sum + texel(environment, i);
-    return sum * (4 * pi / n / n);
 }
 
 TEST(Sky, GradientHasItsClosedIntegral)

@@ -13,12 +13,12 @@
 namespace lumisweep {
 namespace {
 
-struct Scene {
+struct Grids {
     ScalarGrid grid;
     MajorantGrid majorants;
     SceneView view;
 
-    Scene(Vec3i size, int voxels, std::mt19937& random) : grid(VoxelType::u8, size, Affine3d{})
+    Grids(Vec3i size, int voxels, std::mt19937& random) : grid(VoxelType::u8, size, Affine3d{})
     {
         for (int i = 0; i < voxels; ++i)
             grid.voxels<std::uint8_t>()[random() % grid.voxel_count()] =
@@ -100,7 +100,7 @@ TEST(Advance, UsesUpTheMajorantsAlongTheRay)
     std::uniform_real_distribution<float> uniform(-1.0F, 1.0F);
     for (const Vec3i& size : {Vec3i{64, 64, 64}, Vec3i{33, 70, 21}, Vec3i{120, 7, 64}, Vec3i{1, 40, 50}})
         for (const int voxels : {1, 8, 60, 4000}) {
-            const Scene scene(size, voxels, random);
+            const Grids scene(size, voxels, random);
             for (int i = 0; i < test::effort(4000); ++i) {
                 Vec3f o{(uniform(random) + 1.0F) * 0.5F * float(size.x),
                         (uniform(random) + 1.0F) * 0.5F * float(size.y),
@@ -115,7 +115,7 @@ TEST(Advance, UsesUpTheMajorantsAlongTheRay)
                                   double(stage::nonzero(d.z))};
                 const Walked walked = walk_through(scene.view, o, d);
                 ASSERT_GE(walked.optical_depth, 0.0);
-                const Scene::Exit end = scene.exit(to_double(o), exact);
+                const Grids::Exit end = scene.exit(to_double(o), exact);
                 EXPECT_LE(std::fabs(walked.t - end.t) * end.speed, 1e-4);
                 // A ray that lies within a side may take the cells on either side of it.
                 const Vec3d shift{1e-4, 1e-4, 1e-4};
@@ -133,10 +133,10 @@ TEST(Advance, UsesUpTheMajorantsAlongTheRay)
 TEST(Advance, SkipsEmptySpace)
 {
     std::mt19937 random(3);
-    const Scene empty({500, 500, 500}, 0, random);
+    const Grids empty({500, 500, 500}, 0, random);
     const Vec3f d{0.8F, 0.59F, 0.1077F};
     EXPECT_LE(walk_through(empty.view, {0.1F, 0.2F, 3.0F}, d).steps, 4);
-    const Scene sparse({500, 500, 500}, 12, random);
+    const Grids sparse({500, 500, 500}, 12, random);
     EXPECT_LE(walk_through(sparse.view, {0.1F, 0.2F, 3.0F}, d).steps, 60);
 }
 

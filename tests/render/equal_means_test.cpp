@@ -4,23 +4,22 @@
 #include <random>
 
 #include "support/effort.h"
+#include "support/image_blocks.h"
 #include "support/scenes.h"
 
 namespace lumisweep {
 namespace {
 
-using test::effort;
-
-constexpr int side = 32, block = 16, blocks = (side / block) * (side / block);
+using namespace test;
 
 /// Per block: mean over its pixels of the luminance and the standard error of that, from the spread over batches of
 /// passes.
 struct Blocks {
-    test::Moments moments[blocks];
+    test::Moments moments[image_blocks];
 };
 
 /// Each batch starts from a fresh film, so that batches are independent samples of the block means.
-Blocks block_means(const SessionInput& input, int batches, int passes, const std::string& isa,
+Blocks block_means(const SessionInput& input, int passes, const std::string& isa,
                    const VisibilityGrid* poison = nullptr)
 {
     Session session(input, make_cpu_backend(isa));
@@ -37,28 +36,24 @@ Blocks block_means(const SessionInput& input, int batches, int passes, const std
         }
         for (int p = 0; p < passes; ++p)
             session.render_pass();
-        double sum[blocks] = {};
-        for (int y = 0; y < side; ++y)
-            for (int x = 0; x < side; ++x) {
-                const double* c = session.film().color_sum().data() + 3 * (y * side + x);
-                sum[(y / block) * (side / block) + x / block] += luminance(c[0], c[1], c[2]);
+        double sum[image_blocks] = {};
+        for (int y = 0; y < image_side; ++y)
+            for (int x = 0; x < image_side; ++x) {
+                const double* c = session.film().color_sum().data() + 3 * (y * image_side + x);
+                sum[block_of_pixel(x, y)] += luminance(c[0], c[1], c[2]);
             }
-        for (int i = 0; i < blocks; ++i)
-            result.moments[i].add(sum[i] / (double(block) * block * passes));
+        for (int i = 0; i < image_blocks; ++i)
+            result.moments[i].add(sum[i] / (double(pixels_of_block) * passes));
     }
     return result;
 }
 
-/// Welch's test of two batch means, judged by the normal distribution with a margin for the few batches. Returns the
-/// smallest p.
+/// Of all blocks.
 double smallest_p(const Blocks& a, const Blocks& b)
 {
     double p = 1.0;
-    for (int i = 0; i < blocks; ++i) {
-        const double error = std::hypot(a.moments[i].standard_error(), b.moments[i].standard_error());
-        const double difference = a.moments[i].mean() - b.moments[i].mean();
-        p = std::min(p, error > 0.0 ? test::normal_p(difference / error) : difference == 0.0 ? 1.0 : 0.0);
-    }
+    for (int i = 0; i < image_blocks; ++i)
+        p = std::min(p, test::p_of_means(a.moments[i], b.moments[i]));
     return p;
 }
 
@@ -84,7 +79,7 @@ std::vector<Scene> scenes()
     for (const char* light : {"constant", "sky"}) {
         SessionInput base;
         base.environment = light[0] == 'c' ? test::constant_light({1.0, 0.8, 0.6}) : test::sky_with_sun(64, 12.0);
-        base.image = {side, side, false};
+        base.image = {image_side, image_side, false};
         base.camera.position = {25.0, -70.0, 20.0};
         base.camera.vertical_fov_deg = 22.0;
         SessionInput homogeneous = base, ct = base, smoke = base;
@@ -101,14 +96,12 @@ std::vector<Scene> scenes()
     return result;
 }
 
-constexpr int batches = 24; // enough that the normal distribution will do at the p-values that matter
-
 TEST(EqualMeans, AllStrategiesOnAllInstructionSets)
 {
     const int passes = effort(20);
     const std::vector<Scene> all = scenes();
     const double tests =
-        static_cast<double>(all.size() * std::size(test::all_strategies) * available_isas().size() * blocks);
+        static_cast<double>(all.size() * std::size(test::all_strategies) * available_isas().size() * image_blocks);
     // Batches are few: the tails of Student's t with 46 degrees of freedom are heavier, hence the small significance.
     const double limit = test::sidak(0.0005, tests);
     std::uint64_t seed = 100;
@@ -116,13 +109,13 @@ TEST(EqualMeans, AllStrategiesOnAllInstructionSets)
         SessionInput input = scene.input;
         input.render.strategy = Strategy::environment;
         input.render.seed = ++seed;
-        const Blocks reference = block_means(input, batches, 5 * passes, "auto");
+        const Blocks reference = block_means(input, 5 * passes, "auto");
         EXPECT_LT(power(reference), test::full_effort ? 0.005 : 0.02) << scene.name;
         for (const Strategy strategy : test::all_strategies) {
             for (const std::string& isa : available_isas()) {
                 input.render.strategy = strategy;
                 input.render.seed = ++seed;
-                const Blocks blocks_here = block_means(input, batches, passes, isa);
+                const Blocks blocks_here = block_means(input, passes, isa);
                 EXPECT_GT(smallest_p(blocks_here, reference), limit)
                     << scene.name << ", " << name_of(strategy) << ", " << isa << ", seed " << seed;
             }
@@ -141,7 +134,7 @@ TEST(EqualMeans, PoisonedVisibility)
         input.visibility.epsilon = 0.05;
         input.render.strategy = Strategy::environment;
         input.render.seed = ++seed;
-        const Blocks reference = block_means(input, batches, 5 * passes, "auto");
+        const Blocks reference = block_means(input, 5 * passes, "auto");
         SessionInput other = all[9 - which].input;
         Session others(other, make_cpu_backend()), own(input, make_cpu_backend());
         own.set_render({Strategy::two_step, 0});
@@ -167,13 +160,13 @@ TEST(EqualMeans, PoisonedVisibility)
                  return own.visibility().direction(63 - d)[own.visibility().cell_count() - 1 - c];
              })},
         };
-        const double limit = test::sidak(0.0005, 2.0 * 5.0 * 4.0 * blocks);
+        const double limit = test::sidak(0.0005, 2.0 * 5.0 * 4.0 * image_blocks);
         for (const auto& p : poisons) {
             for (const Strategy strategy :
                  {Strategy::visibility, Strategy::combined, Strategy::two_step, Strategy::automatic}) {
                 input.render.strategy = strategy;
                 input.render.seed = ++seed;
-                const Blocks poisoned = block_means(input, batches, passes, "auto", &p.grid);
+                const Blocks poisoned = block_means(input, passes, "auto", &p.grid);
                 EXPECT_GT(smallest_p(poisoned, reference), limit)
                     << all[which].name << ", " << p.name << ", " << name_of(strategy) << ", seed " << seed;
             }

@@ -17,7 +17,7 @@
 namespace lumisweep {
 namespace {
 
-SessionInput ct_scene(Vec3i size = {27, 30, 25})
+SessionInput edited_scene(Vec3i size = {27, 30, 25})
 {
     SessionInput input;
     input.volume = test::ct_like(size, test::centered(size, {1.0, 1.1, 0.9}));
@@ -33,7 +33,7 @@ SessionInput ct_scene(Vec3i size = {27, 30, 25})
 SessionInput slow_scene()
 {
     const int side = test::full_effort ? 160 : 64;
-    SessionInput input = ct_scene({side, side, side});
+    SessionInput input = edited_scene({side, side, side});
     input.visibility.directions = 32;
     input.visibility.oversampling = 4;
     input.visibility.cell = 8;
@@ -53,7 +53,7 @@ SessionInput slow_scene()
 TEST(SessionStages, LightingChangesRedoOnlyTheProduct)
 {
     for (const SweepMode mode : {SweepMode::before_pass, SweepMode::in_background}) {
-        SessionInput input = ct_scene();
+        SessionInput input = edited_scene();
         Session session(input, make_cpu_backend());
         session.set_sweep_mode(mode);
         const auto counts = [&](auto&& change) {
@@ -91,14 +91,14 @@ TEST(SessionStages, LightingChangesRedoOnlyTheProduct)
         EXPECT_EQ(counts([&] { session.set_visibility(input.visibility); })[1], 1);
         input.visibility.cell = 5;
         EXPECT_EQ(counts([&] { session.set_visibility(input.visibility); })[1], 1);
-        EXPECT_EQ(counts([&] { session.set_volume(ct_scene({20, 21, 22}).volume); })[1], 1);
+        EXPECT_EQ(counts([&] { session.set_volume(edited_scene({20, 21, 22}).volume); })[1], 1);
     }
 }
 
 // Every setter while the sweeps of the one before may still run; prepare() gives what a fresh session has.
 TEST(SessionConcurrency, PreparedAfterEditsItIsTheSynchronousOneToTheBit)
 {
-    SessionInput input = ct_scene();
+    SessionInput input = edited_scene();
     input.visibility.cell = 2;
     Session session(input, make_cpu_backend());
     session.set_sweep_mode(SweepMode::in_background, 2);
@@ -124,9 +124,9 @@ TEST(SessionConcurrency, PreparedAfterEditsItIsTheSynchronousOneToTheBit)
     session.set_volume(input.volume = test::smoke_like(input.volume->size(), input.volume->world_from_voxel()));
     session.render_pass();
     expect_same("volume of the same shape");
-    session.set_volume(input.volume = ct_scene({28, 30, 25}).volume);
+    session.set_volume(input.volume = edited_scene({28, 30, 25}).volume);
     expect_same("volume of other voxels and as many cells");
-    session.set_volume(input.volume = ct_scene({40, 21, 33}).volume);
+    session.set_volume(input.volume = edited_scene({40, 21, 33}).volume);
     session.render_pass();
     input.visibility.directions = 16;
     session.set_visibility(input.visibility);
@@ -212,7 +212,7 @@ private:
 // A background sweep that finds no memory: the next pass says so, the session goes on, and the sweep is tried again.
 TEST(SessionConcurrency, ErrorsReachTheNextPass)
 {
-    SessionInput input = ct_scene({320, 320, 320}); // 65 MB to classify
+    SessionInput input = edited_scene({320, 320, 320}); // 65 MB to classify
     input.visibility.rays = 512;
     input.visibility.cell = 16;
     Session session(input, make_cpu_backend());
@@ -265,7 +265,7 @@ TEST(SessionConcurrency, MeansWhileSweepsGoOn)
 {
     constexpr int batches = 24;
     const int passes = test::effort(24);
-    SessionInput input = ct_scene();
+    SessionInput input = edited_scene();
     input.visibility.cell = 2;
     input.visibility.directions = 16;
     input.visibility.epsilon = 0.05;
@@ -316,7 +316,7 @@ TEST(SessionStages, MemoryCountsWhatRunsBesideRendering)
     // Spare slots, the classified level and working memory beside the joint grid.
     EXPECT_GT(needed(SweepMode::in_background, 1), needed() + cells * 24 + 2 * 256 * 256 * 230);
     EXPECT_GT(needed(SweepMode::in_background, 4), needed(SweepMode::in_background, 1));
-    Session session(ct_scene(), make_cpu_backend());
+    Session session(edited_scene(), make_cpu_backend());
     EXPECT_ANY_THROW(session.set_sweep_mode(SweepMode::in_background, -1));
 }
 

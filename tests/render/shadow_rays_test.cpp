@@ -4,13 +4,13 @@
 
 #include "support/box_oracle.h"
 #include "support/effort.h"
+#include "support/image_blocks.h"
 #include "support/scenes.h"
 
 namespace lumisweep {
 namespace {
 
-using test::effort;
-using test::Moments;
+using namespace test;
 
 struct Draw {
     int shadow_rays;
@@ -145,13 +145,12 @@ TEST(ShadowRays, OpaqueBoxesHaveThemAll)
     }
 }
 
-constexpr int side = 32, block = 16, blocks = (side / block) * (side / block), batches = 24;
 constexpr std::size_t values = 3 + feature_count;
 
 /// Colours and features of every block of the image; each batch starts from a fresh film.
-std::vector<Moments> block_means(SessionInput input, int passes, const std::string& isa = "auto")
+std::vector<Moments> means_of_blocks(SessionInput input, int passes, const std::string& isa = "auto")
 {
-    std::vector<Moments> result(blocks * values);
+    std::vector<Moments> result(image_blocks * values);
     Session session(input, make_cpu_backend(isa));
     const std::uint64_t seed = input.render.seed * 1000;
     for (int b = 0; b < batches; ++b) {
@@ -160,15 +159,16 @@ std::vector<Moments> block_means(SessionInput input, int passes, const std::stri
         for (int p = 0; p < passes; ++p)
             session.render_pass();
         std::vector<double> sums(result.size());
-        for (std::size_t p = 0; p < side * side; ++p) {
-            double* sum = sums.data() + (p / side / block * (side / block) + p % side / block) * values;
+        for (std::size_t p = 0; p < image_side * image_side; ++p) {
+            const int x = static_cast<int>(p % image_side), y = static_cast<int>(p / image_side);
+            double* sum = sums.data() + static_cast<std::size_t>(block_of_pixel(x, y)) * values;
             for (std::size_t c = 0; c < 3; ++c)
                 sum[c] += session.film().color_sum()[3 * p + c];
             for (std::size_t f = 0; f < feature_count; ++f)
                 sum[3 + f] += session.film().features()[feature_count * p + f];
         }
         for (std::size_t i = 0; i < sums.size(); ++i)
-            result[i].add(sums[i] / (block * block * passes));
+            result[i].add(sums[i] / (pixels_of_block * passes));
     }
     return result;
 }
@@ -179,37 +179,33 @@ TEST(ShadowRays, SameMeansInHeterogeneousVolumes)
     const Affine3d place = test::centered(size, {1.0, 1.1, 0.9});
     std::uint64_t seed = 5000;
     // Batches are few: the tails of Student's t with 46 degrees of freedom are heavier, hence the small significance.
-    const double limit = test::sidak(0.0005, 2.0 * 7.0 * double(blocks) * double(values));
+    const double limit = test::sidak(0.0005, 2.0 * 7.0 * double(image_blocks) * double(values));
     for (const bool ct : {true, false}) {
         SessionInput input;
         input.volume = ct ? test::ct_like(size, place) : test::smoke_like(size, place);
         input.transfer_function = ct ? test::ct_transfer_function() : test::smoke_transfer_function();
         input.environment = test::sky_with_sun(64, 12.0);
-        input.image = {side, side, true};
+        input.image = {image_side, image_side, true};
         input.camera.position = {25.0, -70.0, 20.0};
         input.camera.vertical_fov_deg = 22.0;
         input.camera.lens_radius = 0.5;
         input.camera.focus_distance = 70.0;
         input.render = {Strategy::two_step, ++seed};
-        const std::vector<Moments> reference = block_means(input, effort(80));
+        const std::vector<Moments> reference = means_of_blocks(input, effort(80));
         double worst = 0.0;
         for (const Draw& draw : all_draws()) {
             input.render.strategy = Strategy::automatic;
             input.render.shadow_rays = draw.shadow_rays;
             input.render.random_numbers = draw.numbers;
             input.render.seed = ++seed;
-            const std::vector<Moments> here = block_means(input, effort(draw.shadow_rays == 64 ? 4 : 16));
+            const std::vector<Moments> here = means_of_blocks(input, effort(draw.shadow_rays == 64 ? 4 : 16));
             for (std::size_t i = 0; i < here.size(); ++i) {
-                const double error = std::hypot(here[i].standard_error(), reference[i].standard_error());
-                const double difference = here[i].mean() - reference[i].mean();
-                EXPECT_GT(error > 0.0         ? test::normal_p(difference / error)
-                          : difference == 0.0 ? 1.0
-                                              : 0.0,
-                          limit)
+                EXPECT_GT(test::p_of_means(here[i], reference[i]), limit)
                     << (ct ? "CT, " : "smoke, ") << name_of(draw) << ", block " << i / values << ", value "
                     << i % values << ": " << here[i].mean() << " and " << reference[i].mean();
                 if (i % values < 3 || i % values == 10)
-                    worst = std::max(worst, error / reference[i].mean());
+                    worst = std::max(worst, std::hypot(here[i].standard_error(), reference[i].standard_error()) /
+                                                reference[i].mean());
             }
         }
         EXPECT_LT(worst, test::full_effort ? 0.02 : 0.06); // what says that a bias would be found

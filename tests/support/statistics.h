@@ -114,4 +114,11 @@ private:
     double n_ = 0.0, mean_ = 0.0, m2_ = 0.0;
 };
 
+/// Welch's test of two means, judged by the normal distribution: leave a margin where values are few.
+inline double p_of_means(const Moments& a, const Moments& b)
+{
+    const double error = std::hypot(a.standard_error(), b.standard_error()), difference = a.mean() - b.mean();
+    return error > 0.0 ? normal_p(difference / error) : difference == 0.0 ? 1.0 : 0.0;
+}
+
 } // namespace lumisweep::test

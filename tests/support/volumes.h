@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 
+#include "lumisweep/volume/grid_view.h"
 #include "lumisweep/volume/scalar_grid.h"
 #include "lumisweep/volume/transfer_function.h"
 
@@ -33,6 +34,14 @@ std::shared_ptr<ScalarGrid> make_grid(VoxelType type, const Vec3i& size, const A
             for (int i = 0; i < size.x; ++i)
                 *voxel++ = static_cast<T>(value(i, j, k));
     return grid;
+}
+
+/// For lookups in all of it.
+template <class T>
+GridView<T> view_of(const ScalarGrid& grid)
+{
+    const Vec3i n = grid.size();
+    return {grid.voxels<T>(), n.x, n.y, n.z, n.y > 1 ? n.x : 0, n.z > 1 ? n.x * n.y : 0, n.x > 1 ? 1 : 0};
 }
 
 /// One value everywhere.

@@ -24,7 +24,7 @@ TEST(BruteForce, HomogeneousSlab)
 TEST(BruteForce, GaussLegendreEqualsAFineMidpointRule)
 {
     // The classified grid as a volume of its own: both oracles then describe the same field.
-    const ExtinctionGrid ct = classified(ct_like({19, 14, 11}, oblique()), bone());
+    const ExtinctionGrid ct = classified(ct_volume({19, 14, 11}, oblique()), bone());
     ScalarGrid stored(VoxelType::u8, ct.size, oblique());
     std::copy(ct.stored.begin(), ct.stored.end(), stored.voxels<std::uint8_t>());
     const TransferFunction linear({{0.0, 0.0}, {255.0, 255.0 * static_cast<double>(ct.scale)}});
@@ -41,7 +41,7 @@ TEST(BruteForce, GaussLegendreEqualsAFineMidpointRule)
 TEST(BruteForce, ExactGridIsTheExactTransmittance)
 {
     const Vec3i size{11, 9, 7};
-    const ScalarGrid volume = ct_like(size, oblique());
+    const ScalarGrid volume = ct_volume(size, oblique());
     const VisibilityGrid grid = brute_force_visibility_exact(volume, bone(), 4, 2, 0.5);
     ASSERT_EQ(grid.cells(), (Vec3i{3, 3, 2}));
     int partly = 0;
@@ -58,7 +58,7 @@ TEST(BruteForce, ExactGridIsTheExactTransmittance)
 TEST(BruteForce, EndsWhenCancelled)
 {
     const std::atomic<bool> cancelled = true;
-    const ScalarGrid volume = ct_like({11, 9, 7}, oblique());
+    const ScalarGrid volume = ct_volume({11, 9, 7}, oblique());
     const VisibilityGrid grid = brute_force_visibility_exact(volume, bone(), 4, 2, 0.5, &cancelled);
     for (int d = 0; d < 4; ++d)
         EXPECT_EQ(grid.direction(d)[0], 255); // as it was made
@@ -67,7 +67,7 @@ TEST(BruteForce, EndsWhenCancelled)
 TEST(BruteForce, WholeGridAndCheckAgree)
 {
     const Vec3i size{13, 9, 10};
-    const ExtinctionGrid smoky = classified(smoke_like(size, spaced({4.0, 5.0, 6.0})), smoke());
+    const ExtinctionGrid smoky = classified(smoke_volume(size, spaced({4.0, 5.0, 6.0})), smoke());
     const VisibilityGrid grid = brute_force_visibility(smoky, 3, 4);
     const SweepCheck check = sweep_check(grid, smoky, 50, 3);
     EXPECT_LE(check.max, 0.5 / 255.0 + 1e-9); // only the 8 bits of storage
@@ -78,7 +78,7 @@ TEST(BruteForce, WholeGridAndCheckAgree)
 
 TEST(BruteForce, AverageConvergesToTheMeanOfManyPoints)
 {
-    const ExtinctionGrid smoky = classified(smoke_like({12, 12, 12}, spaced({8.0, 8.0, 8.0})), smoke());
+    const ExtinctionGrid smoky = classified(smoke_volume({12, 12, 12}, spaced({8.0, 8.0, 8.0})), smoke());
     const VisibilityGrid grid({12, 12, 12}, 4, 2);
     double coarse = 0.0; // of 40 small samples: each alone has a standard error of about 0.015 over so large a texel
     for (std::uint64_t seed = 1; seed <= 40; ++seed)

@@ -17,8 +17,6 @@ namespace {
 
 using namespace test;
 
-double total(const ExtinctionGrid& grid) { return std::accumulate(grid.stored.begin(), grid.stored.end(), 0.0); }
-
 TEST(ClassifyBlock, SameForEveryInstructionSet)
 {
     std::vector<ClassifyBlock> blocks;
@@ -55,7 +53,7 @@ TEST(ClassifyBlock, SameForEveryInstructionSet)
         functions.push_back(test::random_function(points, random));
     for (const Vec3i size : {Vec3i{64, 64, 3}, {131, 77, 5}, {1, 1, 1}, {7, 130, 2}, {67, 515, 2}})
         for (const TransferFunction& tf : functions) {
-            ScalarGrid i16 = smoke_like(size, Affine3d{});
+            ScalarGrid i16 = smoke_volume(size, Affine3d{});
             i16.voxels<std::int16_t>()[i16.voxel_count() / 2] = 400;
             expect_same(i16, tf);
             ScalarGrid u8(VoxelType::u8, size, Affine3d{}, 4.3, 20.0),

@@ -14,8 +14,6 @@ namespace {
 
 using namespace test;
 
-double total(const ExtinctionGrid& grid) { return std::accumulate(grid.stored.begin(), grid.stored.end(), 0.0); }
-
 /// A thin medium in all voxels but the first, which sets the scale.
 ScalarGrid thin(Vec3i size, int thousandths_of_a_step)
 {

@@ -18,8 +18,6 @@ namespace {
 
 using namespace test;
 
-double total(const ExtinctionGrid& grid) { return std::accumulate(grid.stored.begin(), grid.stored.end(), 0.0); }
-
 TEST(Classify, ScaleIsTheLargestExtinctionWithinTheRange)
 {
     // The transfer function's peaks at -500 and 5000 lie outside of the volume's range.
@@ -80,7 +78,7 @@ TEST(Classify, EveryLevelIsTheRoundedMeanOfTheFinestVoxels)
 {
     const TransferFunction tf({{0.0, 0.0}, {100.0, 1.0}, {1000.0, 4.0}});
     for (const Vec3i size : {Vec3i{1, 1, 1}, {37, 11, 5}, {130, 3, 6}, {3, 2, 300}, {2, 300, 3}, {300, 2, 3}}) {
-        const ScalarGrid volume = smoke_like(size, Affine3d{});
+        const ScalarGrid volume = smoke_volume(size, Affine3d{});
         for (int level = 0; level <= 13; ++level) {
             const ExtinctionGrid grid = classified(volume, tf, level);
             const double inverse_volume = std::exp2(-3.0 * level);
@@ -128,7 +126,7 @@ TEST(Classify, LayoutsAgree)
                              {128, 575, 1},
                              {20, 513, 2}})
         for (const int level : {0, 1}) {
-            const ScalarGrid volume = smoke_like(size, Affine3d{});
+            const ScalarGrid volume = smoke_volume(size, Affine3d{});
             const ExtinctionGrid grid = classified(volume, smoke(), level);
             const ExtinctionGrid straight = classified(volume, smoke(), level, ExtinctionLayouts::straight);
             EXPECT_TRUE(straight.transposed.empty());
@@ -200,7 +198,7 @@ TEST(Classify, NonFiniteVoxelsAndNoExtinctionAreEmpty)
 
 TEST(Classify, SameForAnyNumberOfThreads)
 {
-    const ScalarGrid volume = smoke_like({33, 21, 17}, Affine3d{});
+    const ScalarGrid volume = smoke_volume({33, 21, 17}, Affine3d{});
     for (const int level : {0, 2}) {
         const ExtinctionGrid expected = classified(volume, smoke(), level);
         for (const int threads : {1, 2, 7}) {
@@ -228,7 +226,7 @@ TEST(Classify, IntoAnyGridMadeBefore)
         EXPECT_TRUE(std::equal(expected.stored.begin(), expected.stored.end(), grid.stored.begin()));
         EXPECT_TRUE(std::equal(expected.transposed.begin(), expected.transposed.end(), grid.transposed.begin()));
     };
-    const ScalarGrid small = smoke_like({33, 70, 5}, oblique()), large = smoke_like({170, 190, 160}, Affine3d{});
+    const ScalarGrid small = smoke_volume({33, 70, 5}, oblique()), large = smoke_volume({170, 190, 160}, Affine3d{});
     const TransferFunction nothing({{0.0, 0.0}});
     expect_same(small, smoke(), 0, ExtinctionLayouts::with_transposed);
     const std::uint8_t* memory = grid.stored.data();
@@ -243,7 +241,7 @@ TEST(Classify, IntoAnyGridMadeBefore)
 
 TEST(Classify, CanBeCancelled)
 {
-    const ScalarGrid volume = smoke_like({16, 16, 16}, Affine3d{});
+    const ScalarGrid volume = smoke_volume({16, 16, 16}, Affine3d{});
     ExtinctionGrid grid;
     std::atomic<bool> cancel{true};
     const auto into = [&] {
@@ -258,7 +256,7 @@ TEST(Classify, CanBeCancelled)
 
 TEST(Classify, RefusesImpossibleLevels)
 {
-    const ScalarGrid volume = smoke_like({4, 4, 4}, Affine3d{});
+    const ScalarGrid volume = smoke_volume({4, 4, 4}, Affine3d{});
     EXPECT_THROW(classified(volume, smoke(), -1), Error);
     EXPECT_THROW(classified(volume, smoke(), 14), Error);
 }

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 #include "lumisweep/visibility/extinction_grid.h"
+#include "lumisweep/visibility/sweep.h"
 
 namespace lumisweep::test {
 
@@ -40,7 +42,7 @@ ScalarGrid fill_i16(Vec3i size, const Affine3d& world_from_voxel, Value&& value)
 }
 
 /// Soft tissue in a wobbly shell of bone, a tube, and two metal wires, in HU; sides of about 100 voxels.
-inline ScalarGrid ct_like(Vec3i size, const Affine3d& world_from_voxel)
+inline ScalarGrid ct_volume(Vec3i size, const Affine3d& world_from_voxel)
 {
     return fill_i16(size, world_from_voxel, [&](double i, double j, double k) {
         const double x = 2.0 * i / size.x - 1.0, y = 2.0 * j / size.y - 1.0, z = 2.0 * k / size.z - 1.0;
@@ -59,7 +61,7 @@ inline ScalarGrid ct_like(Vec3i size, const Affine3d& world_from_voxel)
     });
 }
 
-inline ScalarGrid smoke_like(Vec3i size, const Affine3d& world_from_voxel)
+inline ScalarGrid smoke_volume(Vec3i size, const Affine3d& world_from_voxel)
 {
     return fill_i16(size, world_from_voxel, [&](double i, double j, double k) {
         const double x = 2.0 * i / size.x - 1.0, y = 2.0 * j / size.y - 1.0, z = 2.0 * k / size.z - 1.0;
@@ -68,9 +70,9 @@ inline ScalarGrid smoke_like(Vec3i size, const Affine3d& world_from_voxel)
     });
 }
 
-/// Bone opaque within a few of ct_like's voxels of 1 world unit, soft tissue empty.
+/// Bone opaque within a few of ct_volume's voxels of 1 world unit, soft tissue empty.
 inline TransferFunction bone() { return TransferFunction({{150.0, 0.0}, {600.0, 0.4}, {1500.0, 1.0}}); }
-/// Optical depths of about 3 across smoke_like of about 100 world units.
+/// Optical depths of about 3 across smoke_volume of about 100 world units.
 inline TransferFunction smoke() { return TransferFunction({{0.0, 0.0}, {1000.0, 0.12}}); }
 
 /// With the volume's own range.
@@ -80,11 +82,21 @@ inline ExtinctionGrid classified(const ScalarGrid& volume, const TransferFunctio
     return classify(volume, raw_range(volume), transfer_function, mip_level, layouts);
 }
 
+/// Of all voxels, in stored steps.
+inline double total(const ExtinctionGrid& grid) { return std::accumulate(grid.stored.begin(), grid.stored.end(), 0.0); }
+
 /// A medium of one extinction.
 inline ExtinctionGrid homogeneous(Vec3i size, const Affine3d& world_from_voxel, double sigma)
 {
     const ScalarGrid volume = fill_i16(size, world_from_voxel, [](double, double, double) { return 7.0; });
     return classified(volume, TransferFunction({{7.0, sigma}}));
+}
+
+inline VisibilityGrid swept(const ExtinctionGrid& extinction, const VisibilitySettings& settings)
+{
+    VisibilityGrid grid(extinction.volume_size, settings.cell, settings.directions);
+    sweep_visibility(grid, extinction, settings);
+    return grid;
 }
 
 } // namespace lumisweep::test

@@ -130,7 +130,7 @@ TEST(LiveVisibilityConcurrency, ReadersMeetWholeDirections)
 LiveSweepInput ct_input(Vec3i size, int directions, int threads)
 {
     LiveSweepInput input;
-    input.volume = std::make_shared<ScalarGrid>(test::ct_like(size, test::oblique()));
+    input.volume = std::make_shared<ScalarGrid>(test::ct_volume(size, test::oblique()));
     input.range = raw_range(*input.volume);
     input.transfer_function = test::bone();
     input.visibility.directions = directions;

@@ -61,17 +61,17 @@ TEST(SweepAccuracy, WholeNumbersLoseLittle)
     const auto lost = [](const ScalarGrid& volume, const TransferFunction& tf, int directions, int cell) {
         return lost_by_rounding(classified(volume, tf), unfiltered(directions, cell));
     };
-    for (const Difference& ct :
-         {lost(ct_like({56, 52, 48}, Affine3d{}), bone(), 8, 4), lost(ct_like({53, 41, 47}, oblique()), bone(), 8, 5),
-          lost(ct_like({41, 33, 29}, spaced({1.0, 0.6, 1.9})), bone(), 8, 3),
-          lost(ct_like({112, 104, 96}, Affine3d{}), bone(), 4, 8),
-          lost(ct_like({21, 23, 19}, Affine3d{}), bone(), 8, 1)}) {
+    for (const Difference& ct : {lost(ct_volume({56, 52, 48}, Affine3d{}), bone(), 8, 4),
+                                 lost(ct_volume({53, 41, 47}, oblique()), bone(), 8, 5),
+                                 lost(ct_volume({41, 33, 29}, spaced({1.0, 0.6, 1.9})), bone(), 8, 3),
+                                 lost(ct_volume({112, 104, 96}, Affine3d{}), bone(), 4, 8),
+                                 lost(ct_volume({21, 23, 19}, Affine3d{}), bone(), 8, 1)}) {
         EXPECT_LE(ct.rms(), 0.0012);
         EXPECT_LE(ct.max, 0.0095);
     }
-    for (const Difference& smoky : {lost(smoke_like({56, 52, 48}, Affine3d{}), smoke(), 8, 4),
-                                    lost(smoke_like({61, 47, 53}, oblique()), smoke(), 4, 3),
-                                    lost(smoke_like({112, 104, 96}, Affine3d{}), smoke(), 4, 8)}) {
+    for (const Difference& smoky : {lost(smoke_volume({56, 52, 48}, Affine3d{}), smoke(), 8, 4),
+                                    lost(smoke_volume({61, 47, 53}, oblique()), smoke(), 4, 3),
+                                    lost(smoke_volume({112, 104, 96}, Affine3d{}), smoke(), 4, 8)}) {
         EXPECT_LE(smoky.rms(), 0.0012);
         EXPECT_LE(smoky.max, 0.0026);
     }
@@ -102,13 +102,6 @@ std::vector<double> rms_errors(const std::vector<const VisibilityGrid*>& grids, 
     return errors;
 }
 
-VisibilityGrid swept(const ExtinctionGrid& extinction, const VisibilitySettings& settings)
-{
-    VisibilityGrid grid(extinction.volume_size, settings.cell, settings.directions);
-    sweep_visibility(grid, extinction, settings);
-    return grid;
-}
-
 /// Of one grid against exact V at cell and texel centres in `exact`, which is classified at the finest level.
 double rms_error(const VisibilityGrid& grid, const ExtinctionGrid& exact)
 {
@@ -130,11 +123,11 @@ TEST(SweepAccuracy, MatchesBruteForceOnHardVolumes)
         const ExtinctionGrid extinction = classified(volume, tf);
         return rms_error(swept(extinction, unfiltered(8, cell)), extinction);
     };
-    EXPECT_LE(rms(ct_like({112, 104, 96}, Affine3d{}), bone(), 4), 0.02);
-    EXPECT_LE(rms(ct_like({107, 93, 55}, spaced({1.0, 1.0, 1.9})), bone(), 4), 0.02);
-    EXPECT_LE(rms(ct_like({90, 101, 83}, oblique()), bone(), 5), 0.02);
-    EXPECT_LE(rms(smoke_like({96, 80, 112}, Affine3d{}), smoke(), 4), 0.003);
-    EXPECT_LE(rms(smoke_like({61, 47, 53}, oblique()), smoke(), 3), 0.003);
+    EXPECT_LE(rms(ct_volume({112, 104, 96}, Affine3d{}), bone(), 4), 0.02);
+    EXPECT_LE(rms(ct_volume({107, 93, 55}, spaced({1.0, 1.0, 1.9})), bone(), 4), 0.02);
+    EXPECT_LE(rms(ct_volume({90, 101, 83}, oblique()), bone(), 5), 0.02);
+    EXPECT_LE(rms(smoke_volume({96, 80, 112}, Affine3d{}), smoke(), 4), 0.003);
+    EXPECT_LE(rms(smoke_volume({61, 47, 53}, oblique()), smoke(), 3), 0.003);
 }
 
 TEST(SweepAccuracy, HalfTheRaysAreNearlyAsGood)
@@ -146,9 +139,9 @@ TEST(SweepAccuracy, HalfTheRaysAreNearlyAsGood)
         return rms_error(swept(half, settings), finest);
     };
     // Of which means of 2³ voxels are .0022, and .0031 the half as many slices that rays count wholly at the sides.
-    EXPECT_LE(rms(smoke_like({96, 80, 112}, Affine3d{})), 0.0045);
+    EXPECT_LE(rms(smoke_volume({96, 80, 112}, Affine3d{})), 0.0045);
     // An odd end: the coarse level's last voxels are partly empty.
-    EXPECT_LE(rms(smoke_like({95, 79, 111}, Affine3d{})), 0.0045);
+    EXPECT_LE(rms(smoke_volume({95, 79, 111}, Affine3d{})), 0.0045);
 }
 
 /// Against V averaged over cell and texel: as it is, filtered by half and by the whole texel, 4 and 16 lines a texel.
@@ -175,8 +168,8 @@ TEST(SweepAccuracy, FiltersAndOversamplingComeCloserToAverages)
 {
     enum { plain, half_angle, full_angle, four, sixteen };
     for (const std::vector<double>& rms :
-         {rms_averaged(classified(ct_like({48, 44, 40}, Affine3d{}), bone())),
-          rms_averaged(classified(smoke_like({40, 36, 48}, spaced({1.0, 1.3, 0.9})), smoke()))}) {
+         {rms_averaged(classified(ct_volume({48, 44, 40}, Affine3d{}), bone())),
+          rms_averaged(classified(smoke_volume({40, 36, 48}, spaced({1.0, 1.3, 0.9})), smoke()))}) {
         EXPECT_LT(rms[half_angle], 0.95 * rms[plain]);
         EXPECT_LT(rms[half_angle], rms[full_angle]);
         EXPECT_LT(rms[four], 0.6 * rms[plain]);

@@ -148,7 +148,7 @@ double mirror_error(const ExtinctionGrid& volume, int axes, Chosen&& chosen)
 TEST(SweepSides, MirroredAcrossTheSweepsAxisAllStays)
 {
     // Rays are at voxel centres on the start face, whichever way they lean; only weights round differently.
-    const ExtinctionGrid ct = classified(ct_like({26, 23, 21}, spaced({1.0, 1.2, 0.9})), bone());
+    const ExtinctionGrid ct = classified(ct_volume({26, 23, 21}, spaced({1.0, 1.2, 0.9})), bone());
     const Affine3d voxel_from_world = inverse(ct.world_from_voxel);
     for (int axes = 1; axes < 7; ++axes) {
         const double e = mirror_error(ct, axes, [&](int d) {
@@ -165,7 +165,7 @@ TEST(SweepSides, MirroredVolumesHaveMirroredVisibility)
 {
     // Along the sweep's axis too, where rays then start at the other face; along all axes every direction becomes its
     // opposite, which comes out of the same march as a difference.
-    const ExtinctionGrid smoky = classified(smoke_like({26, 23, 21}, spaced({1.0, 1.2, 0.9})), smoke());
+    const ExtinctionGrid smoky = classified(smoke_volume({26, 23, 21}, spaced({1.0, 1.2, 0.9})), smoke());
     for (int axes = 1; axes < 8; ++axes)
         EXPECT_LE(mirror_error(smoky, axes, [](int) { return true; }), 0.02) << "mirrored axes " << axes;
 }

@@ -31,13 +31,6 @@ VisibilitySettings settings_of(int directions, int cell, int rays, SweepFilter f
     return settings;
 }
 
-VisibilityGrid swept(const ExtinctionGrid& extinction, const VisibilitySettings& settings)
-{
-    VisibilityGrid grid(extinction.volume_size, settings.cell, settings.directions);
-    sweep_visibility(grid, extinction, settings);
-    return grid;
-}
-
 bool same(const VisibilityGrid& a, const VisibilityGrid& b)
 {
     for (int d = 0; a.same_shape(b) && d < a.direction_count(); ++d)
@@ -115,7 +108,7 @@ TEST(Sweep, HomogeneousForEveryNumberOfDirections)
 
 TEST(Sweep, SameBitsForAnyNumberOfThreads)
 {
-    const ExtinctionGrid ct = classified(ct_like({45, 38, 41}, oblique()), bone(), 0);
+    const ExtinctionGrid ct = classified(ct_volume({45, 38, 41}, oblique()), bone(), 0);
     const VisibilitySettings settings = settings_of(8, 3, all_rays, SweepFilter::half_angle);
     const VisibilityGrid expected = swept(ct, settings);
     const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
@@ -127,7 +120,7 @@ TEST(Sweep, SameBitsForAnyNumberOfThreads)
 
 TEST(Sweep, SubsetsTouchOnlyTheirDirections)
 {
-    const ExtinctionGrid ct = classified(ct_like({30, 26, 28}, Affine3d{}), bone(), 0);
+    const ExtinctionGrid ct = classified(ct_volume({30, 26, 28}, Affine3d{}), bone(), 0);
     const VisibilitySettings settings = settings_of(8, 4, all_rays, SweepFilter::half_angle);
     const VisibilityGrid all = swept(ct, settings);
     VisibilityGrid grid({30, 26, 28}, 4, 8);
@@ -142,7 +135,7 @@ TEST(Sweep, SubsetsTouchOnlyTheirDirections)
 
 TEST(Sweep, CancelLeavesOldValues)
 {
-    const ExtinctionGrid ct = classified(ct_like({30, 26, 28}, Affine3d{}), bone(), 0);
+    const ExtinctionGrid ct = classified(ct_volume({30, 26, 28}, Affine3d{}), bone(), 0);
     const VisibilitySettings settings = settings_of(8, 4, all_rays, SweepFilter::half_angle);
     VisibilityGrid grid({30, 26, 28}, 4, 8);
     const VisibilityGrid before({30, 26, 28}, 4, 8);
@@ -173,13 +166,13 @@ TEST(Sweep, RaysChooseTheLevel)
 
 TEST(Sweep, RefusesWhatDoesNotFit)
 {
-    const ExtinctionGrid ct = classified(ct_like({30, 26, 28}, Affine3d{}), bone(), 0);
+    const ExtinctionGrid ct = classified(ct_volume({30, 26, 28}, Affine3d{}), bone(), 0);
     VisibilityGrid grid({30, 26, 28}, 4, 8);
     EXPECT_THROW(sweep_visibility(grid, ct, settings_of(4, 4, 0, SweepFilter::none)), Error);
     EXPECT_THROW(sweep_visibility(grid, ct, settings_of(8, 5, 0, SweepFilter::none)), Error);
     EXPECT_THROW(sweep_visibility(grid, ct, settings_of(8, 4, 15, SweepFilter::none)), Error); // needs level 1
     const ExtinctionGrid straight =
-        classified(ct_like({30, 26, 28}, Affine3d{}), bone(), 0, ExtinctionLayouts::straight);
+        classified(ct_volume({30, 26, 28}, Affine3d{}), bone(), 0, ExtinctionLayouts::straight);
     EXPECT_THROW(sweep_visibility(grid, straight, settings_of(8, 4, 0, SweepFilter::none)), Error);
     EXPECT_THROW(sweep_visibility(grid, ExtinctionGrid{}, settings_of(8, 4, 0, SweepFilter::none)), Error);
     const std::vector<int> outside{64};

@@ -11,19 +11,15 @@
 #include "lumisweep/volume/majorant_grid.h"
 #include "lumisweep/volume/majorant_view.h"
 #include "lumisweep/volume/transfer_function_view.h"
+#include "support/volumes.h"
 
 namespace lumisweep {
 namespace {
 
+using test::view_of;
+
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
-
-template <class T>
-GridView<T> view_of(const ScalarGrid& grid)
-{
-    const Vec3i n = grid.size();
-    return {grid.voxels<T>(), n.x, n.y, n.z, n.y > 1 ? n.x : 0, n.z > 1 ? n.x * n.y : 0, n.x > 1 ? 1 : 0};
-}
 
 /// A position along an axis of n voxels, often on or next to a voxel's centre, where a fraction is near 0 or 1. Every
 /// other centre is a cell's border.

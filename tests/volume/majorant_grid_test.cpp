@@ -9,16 +9,12 @@
 #include "lumisweep/volume/majorant_grid.h"
 #include "lumisweep/volume/majorant_view.h"
 #include "lumisweep/volume/transfer_function_view.h"
+#include "support/volumes.h"
 
 namespace lumisweep {
 namespace {
 
-template <class T>
-GridView<T> view_of(const ScalarGrid& grid)
-{
-    const Vec3i n = grid.size();
-    return {grid.voxels<T>(), n.x, n.y, n.z, n.y > 1 ? n.x : 0, n.z > 1 ? n.x * n.y : 0, n.x > 1 ? 1 : 0};
-}
+using test::view_of;
 
 float bound_at(const MajorantView& m, int x, int y, int z) { return majorant_at<float>(m, {x, y, z}).value; }
 

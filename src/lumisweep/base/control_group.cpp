@@ -14,8 +14,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
-
 /// File names of one version of the interface.
 struct Interface {
     const char* limit;
@@ -51,7 +49,7 @@ std::uint64_t left_in(const fs::path& folder, const Interface& names)
     const auto limit = read_number(folder / names.limit);
     const auto usage = read_number(folder / names.usage);
     if (!limit || !usage)
-        return unlimited;
+        return unlimited_memory;
     const std::uint64_t reclaimable = read_statistic(folder / "memory.stat", names.reclaimable);
     const std::uint64_t used = *usage - std::min(*usage, reclaimable);
     return *limit - std::min(*limit, used);
@@ -75,7 +73,7 @@ std::uint64_t left_along(const fs::path& root, const std::string& group, const I
 std::uint64_t control_group_memory_left(const fs::path& membership, const fs::path& mount)
 {
     // Lines are "id:controllers:path"; version 2 has no controllers.
-    std::uint64_t left = unlimited;
+    std::uint64_t left = unlimited_memory;
     std::ifstream in(membership);
     for (std::string line; std::getline(in, line);) {
         const auto first = line.find(':');

@@ -15,8 +15,6 @@ namespace lumisweep {
 
 namespace {
 
-constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
-
 /// A line "key:   123 kB" of a file in /proc, in bytes.
 std::uint64_t read_kilobytes(const char* file, const std::string& key, std::uint64_t otherwise)
 {
@@ -31,7 +29,7 @@ std::uint64_t address_space_left()
 {
     rlimit limit{};
     if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
-        return unlimited;
+        return unlimited_memory;
     std::ifstream in("/proc/self/statm");
     std::uint64_t pages = 0;
     if (!(in >> pages))
@@ -44,7 +42,7 @@ std::uint64_t address_space_left()
 
 std::uint64_t available_memory()
 {
-    const std::uint64_t machine = read_kilobytes("/proc/meminfo", "MemAvailable:", unlimited);
+    const std::uint64_t machine = read_kilobytes("/proc/meminfo", "MemAvailable:", unlimited_memory);
     const std::uint64_t group = control_group_memory_left("/proc/self/cgroup", "/sys/fs/cgroup");
     return std::min({machine, group, address_space_left()});
 }

@@ -12,7 +12,7 @@ namespace lumisweep {
 
 namespace {
 
-struct RawRange {
+struct FiniteRange {
     double min = std::numeric_limits<double>::infinity(), max = -std::numeric_limits<double>::infinity();
     std::uint64_t count = 0;
 };
@@ -30,11 +30,11 @@ using Blocks = tbb::blocked_range<std::size_t>;
 constexpr std::size_t grain = std::size_t{1} << 18;
 
 template <class Voxel>
-RawRange raw_range(const Voxel* voxels, std::size_t count)
+FiniteRange raw_range(const Voxel* voxels, std::size_t count)
 {
     return tbb::parallel_reduce(
-        Blocks(0, count, grain), RawRange{},
-        [voxels](const Blocks& block, RawRange range) {
+        Blocks(0, count, grain), FiniteRange{},
+        [voxels](const Blocks& block, FiniteRange range) {
             for (std::size_t i = block.begin(); i != block.end(); ++i) {
                 if (!is_finite(voxels[i]))
                     continue;
@@ -45,8 +45,8 @@ RawRange raw_range(const Voxel* voxels, std::size_t count)
             }
             return range;
         },
-        [](const RawRange& a, const RawRange& b) {
-            return RawRange{std::min(a.min, b.min), std::max(a.max, b.max), a.count + b.count};
+        [](const FiniteRange& a, const FiniteRange& b) {
+            return FiniteRange{std::min(a.min, b.min), std::max(a.max, b.max), a.count + b.count};
         });
 }
 
@@ -79,7 +79,7 @@ ValueStatistics value_statistics(const ScalarGrid& volume, int bins)
     ValueStatistics statistics;
     statistics.integers = volume.type() != VoxelType::f32;
     statistics.bits = static_cast<int>(8 * size_of(volume.type()));
-    const RawRange range =
+    const FiniteRange range =
         visit_voxels(volume, [&](const auto* voxels) { return raw_range(voxels, volume.voxel_count()); });
     statistics.count = range.count;
     statistics.non_finite = volume.voxel_count() - range.count;

@@ -96,7 +96,7 @@ struct CellExtremes {
     const Voxel* voxels;
     Vec3i size, block_grid;
     BoundsScale scale;
-    CellRow* cells;
+    BoundsRow* cells;
     CellBounds* blocks;
     FoundInVoxels* found;
 
@@ -200,7 +200,7 @@ private:
 };
 
 template <class Voxel>
-void find_bounds_of(const void* voxels, const WholeBounds& bounds, const Vec3i& block_grid, CellRow* cells,
+void find_bounds_of(const void* voxels, const WholeBounds& bounds, const Vec3i& block_grid, BoundsRow* cells,
                     CellBounds* blocks, FoundInVoxels* found, const Stream& stream)
 {
     using Kernel = CellExtremes<Voxel>;
@@ -220,7 +220,7 @@ void find_finite_range(const float* voxels, std::size_t count, FoundInVoxels* fo
 }
 
 void find_cell_bounds(VoxelType type, const void* voxels, const WholeBounds& bounds, const Vec3i& block_grid,
-                      CellRow* cells, CellBounds* blocks, FoundInVoxels* found, const Stream& stream)
+                      BoundsRow* cells, CellBounds* blocks, FoundInVoxels* found, const Stream& stream)
 {
     switch (type) {
     case VoxelType::u8: return find_bounds_of<std::uint8_t>(voxels, bounds, block_grid, cells, blocks, found, stream);

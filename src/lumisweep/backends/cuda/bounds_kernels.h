@@ -11,7 +11,7 @@
 namespace lumisweep::LUMISWEEP_CUDA {
 
 /// Neighbouring cells of a block along x, read and written at once.
-struct alignas(16) CellRow {
+struct alignas(16) BoundsRow {
     CellBounds cell[majorant_block];
 };
 inline constexpr int rows_of_block = majorant_block * majorant_block;
@@ -41,6 +41,6 @@ void find_finite_range(const float* voxels, std::size_t count, FoundInVoxels* fo
 /// Bounds of all cells and blocks, and of them together; those of cells beyond the volume are empty. Of `bounds` only
 /// what begin_bounds() gives is read. Memory: voxels [nz][ny][nx]; cells [block][z][y] rows; blocks [bz][by][bx].
 void find_cell_bounds(VoxelType type, const void* voxels, const WholeBounds& bounds, const Vec3i& block_grid,
-                      CellRow* cells, CellBounds* blocks, FoundInVoxels* found, const Stream& stream);
+                      BoundsRow* cells, CellBounds* blocks, FoundInVoxels* found, const Stream& stream);
 
 } // namespace lumisweep::LUMISWEEP_CUDA

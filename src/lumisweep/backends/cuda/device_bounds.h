@@ -23,12 +23,12 @@ public:
     std::size_t block_count() const { return blocks_.size(); }
     /// Memory: as in find_cell_bounds().
     const CellBounds* blocks() const { return blocks_.data(); }
-    const CellRow* cells() const { return cells_.data(); }
+    const BoundsRow* cells() const { return cells_.data(); }
     std::uint64_t bytes() const { return blocks_.bytes() + cells_.bytes(); }
 
 private:
     DeviceArray<CellBounds> blocks_;
-    DeviceArray<CellRow> cells_;
+    DeviceArray<BoundsRow> cells_;
     WholeBounds whole_;
     RawRange raw_range_;
 };

@@ -30,7 +30,7 @@ struct BlockCodes {
             std::uint32_t steps = 0, largest = 0;
             if (of_block < here && codes.largest_code(blocks.block_bounds[at]) != 0) {
                 const std::size_t of_row = at * rows_of_block + static_cast<std::size_t>(row);
-                const CellRow bounds = blocks.cell_bounds[of_row];
+                const BoundsRow bounds = blocks.cell_bounds[of_row];
                 CodeRow code;
                 for (int i = 0; i < majorant_block; ++i) {
                     code.cell[i] = codes.largest_code(bounds.cell[i]);

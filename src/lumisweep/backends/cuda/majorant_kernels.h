@@ -34,7 +34,7 @@ struct alignas(4) CodeRow {
 struct BlocksAndCells {
     std::size_t count = 0; ///< blocks
     const CellBounds* block_bounds = nullptr;
-    const CellRow* cell_bounds = nullptr; ///< [block][z][y]
+    const BoundsRow* cell_bounds = nullptr; ///< [block][z][y]
     std::uint8_t* block_codes = nullptr;
     CodeRow* cell_codes = nullptr; ///< as the bounds; not written in blocks that are empty
 };

@@ -1,7 +1,7 @@
 # CUDA is used where nvcc is found, also where it is installed but not on the path; the GPU itself is not needed to build.
 set(cuda_by_default OFF)
-# Sanitizers and the fuzzer look at the kernels in their emulation (tests/backends).
-if(PROJECT_IS_TOP_LEVEL AND NOT LUMISWEEP_SANITIZE AND NOT LUMISWEEP_FUZZ)
+# Sanitizers look at the kernels in their emulation (tests/backends).
+if(PROJECT_IS_TOP_LEVEL AND NOT LUMISWEEP_SANITIZE)
   set(cuda_by_default ON)
 endif()
 set(LUMISWEEP_CUDA AUTO CACHE STRING "Build the CUDA backend: ON, OFF, or AUTO, where nvcc is found")

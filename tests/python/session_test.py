@@ -1,6 +1,5 @@
 """Sessions: the same image as the command line's, and what edits between passes do."""
 import json
-import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import lumisweep as ls
-from support import PLUME, ball, ball_session, ball_transfer_function, ball_volume, program, wide_sun
+from support import PLUME, ball, ball_session, ball_transfer_function, ball_volume, run_program, wide_sun
 
 SCENE = {
     "version": 1,
@@ -34,8 +33,7 @@ class CommandLine(unittest.TestCase):
         self.scene.write_text(json.dumps(SCENE))
 
     def rendered(self, *arguments):
-        subprocess.run([program(), "render", self.scene, "-o", self.folder / "out.exr", *arguments], check=True,
-                       capture_output=True, timeout=120)
+        run_program("render", self.scene, "-o", self.folder / "out.exr", *arguments)
         return ls.read_exr(self.folder / "out.exr")
 
     def test_scene_file_and_dictionary(self):

@@ -4,6 +4,7 @@ Standard library and NumPy only; the module comes from PYTHONPATH, the program's
 """
 import math
 import mmap
+import os
 import subprocess
 import sys
 import unittest
@@ -19,11 +20,13 @@ PROGRAM = str(Path(sys.argv.pop(1)).resolve()) if len(sys.argv) > 1 and Path(sys
 STRATEGIES = ("uniform", "environment", "visibility", "combined", "two-step", "auto")
 
 
-def program():
-    """The command-line program; a test that needs it skips without."""
+def run_program(*arguments):
+    """Runs the command-line program; a test that needs it skips without."""
     if PROGRAM is None:
         raise unittest.SkipTest("the program's path is not given")
-    return PROGRAM
+    # A sanitizer that was put into this interpreter for the module's sake is not the program's own.
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    subprocess.run([PROGRAM, *map(str, arguments)], check=True, capture_output=True, timeout=120, env=environment)
 
 
 def run_python(*arguments, **options):

@@ -103,7 +103,7 @@ class Grids(unittest.TestCase):
 
     def test_seconds_stay_with_their_samples(self):
         session = ball_session()
-        seconds = session.render(samples=4).attributes["renderSeconds"]
+        seconds = session.render(samples=400).attributes["renderSeconds"]
         session.visibility = session.visibility
         self.assertEqual(session.image().attributes["renderSeconds"], seconds)
         session.camera = session.camera

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <limits>
 
 #include <sys/resource.h>
 #include <unistd.h>

@@ -27,54 +27,44 @@ std::size_t LiveVisibility::spare_bytes(std::size_t cell_count, int directions_p
 
 LiveVisibility::LiveVisibility(VisibilityGrid grid, int spare_slots)
     : grid_(std::move(grid)), spare_count_(spare_slots),
-      slot_of_(std::make_unique<std::atomic<int>[]>(static_cast<std::size_t>(grid_.direction_count())))
+      slot_of_(std::make_unique<std::atomic<Slot>[]>(static_cast<std::size_t>(grid_.direction_count())))
 {
     LUMISWEEP_EXPECT(spare_slots >= 1);
     for (int d = 0; d < grid_.direction_count(); ++d)
-        slot_of_[static_cast<std::size_t>(d)] = d;
-}
-
-std::uint8_t* LiveVisibility::at(int slot)
-{
-    const int own = grid_.direction_count();
-    std::uint8_t* slots = slot < own ? grid_.stored_.data() : spare_.data();
-    return slots + static_cast<std::size_t>(slot < own ? slot : slot - own) *
-                       VisibilityGrid::direction_stride(grid_.cell_count_);
+        slot_of_[static_cast<std::size_t>(d)] = grid_.direction(d);
 }
 
 void LiveVisibility::take_slots()
 {
     for (int d = 0; d < grid_.direction_count(); ++d)
-        grid_.directions_[static_cast<std::size_t>(d)] = at(slot_of_[static_cast<std::size_t>(d)].load());
+        grid_.directions_[static_cast<std::size_t>(d)] = slot_of_[static_cast<std::size_t>(d)].load();
 }
 
 VisibilityGrid& LiveVisibility::stage(std::span<const int> directions)
 {
     LUMISWEEP_EXPECT(directions.size() <= static_cast<std::size_t>(spare_count_));
-    const int own = grid_.direction_count();
     if (spare_.empty()) {
+        const std::size_t stride = VisibilityGrid::direction_stride(grid_.cell_count_);
         // All that later calls append, so that they cannot fail half way.
         free_.reserve(static_cast<std::size_t>(spare_count_));
         retired_.reserve(static_cast<std::size_t>(spare_count_));
         staged_.reserve(static_cast<std::size_t>(spare_count_));
-        spare_ = AlignedArray<std::uint8_t>(VisibilityGrid::direction_stride(grid_.cell_count_) *
-                                                static_cast<std::size_t>(spare_count_),
-                                            Contents::uninitialised);
+        spare_ = AlignedArray<std::uint8_t>(stride * static_cast<std::size_t>(spare_count_), Contents::uninitialised);
         staging_.cells_ = grid_.cells_;
         staging_.cell_count_ = grid_.cell_count_;
         staging_.n_ = grid_.n_;
-        for (int slot = own; slot < own + spare_count_; ++slot)
-            free_.push_back(slot);
+        for (std::size_t s = 0; s < static_cast<std::size_t>(spare_count_); ++s)
+            free_.push_back(spare_.data() + s * stride);
     }
     for (const Staged& staged : staged_)
         free_.push_back(staged.slot);
     staged_.clear();
-    staging_.directions_.assign(static_cast<std::size_t>(own), nullptr);
+    staging_.directions_.assign(static_cast<std::size_t>(grid_.direction_count()), nullptr);
     for (reclaim(); free_.size() < directions.size(); reclaim())
         reads_.wait(retired_.back().read);
     for (const int d : directions) {
         staged_.push_back({d, free_.back()});
-        staging_.directions_[static_cast<std::size_t>(d)] = at(free_.back());
+        staging_.directions_[static_cast<std::size_t>(d)] = free_.back();
         free_.pop_back();
     }
     return staging_;

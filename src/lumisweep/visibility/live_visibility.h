@@ -70,27 +70,29 @@ private:
     private:
         std::atomic<int>& reads_;
     };
+    using Slot = std::uint8_t*; ///< V of all cells in one direction
     struct Retired {
-        int slot, read; ///< not to be written before reads_ has left this
+        Slot slot;
+        int read; ///< not to be written before reads_ has left this
     };
     struct Staged {
-        int direction, slot;
+        int direction;
+        Slot slot;
     };
 
-    std::uint8_t* at(int slot);
     void take_slots();
     void reclaim();
 
     VisibilityGrid grid_; ///< owns the first slots; its directions are the reader's
     int spare_count_;
-    std::unique_ptr<std::atomic<int>[]> slot_of_; ///< [direction] published
+    std::unique_ptr<std::atomic<Slot>[]> slot_of_; ///< [direction] published; all that the reader knows of spare slots
     std::atomic<std::uint64_t> published_{0};
     std::atomic<int> reads_{0};
 
     // The writer's.
     AlignedArray<std::uint8_t> spare_;
     VisibilityGrid staging_;
-    std::vector<int> free_;
+    std::vector<Slot> free_;
     std::vector<Retired> retired_;
     std::vector<Staged> staged_;
 };

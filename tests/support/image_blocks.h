@@ -1,8 +1,6 @@
 // Images cut into blocks, whose means over batches of passes tests compare.
 #pragma once
 
-#include <cstddef>
-
 namespace lumisweep::test {
 
 /// Pixels along the sides of the image and of a block.

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include "lumisweep/base/cancelled.h"
+
 namespace lumisweep {
 
 BackgroundTask::~BackgroundTask()
@@ -76,7 +78,7 @@ bool BackgroundTask::wait(const std::atomic<bool>* cancel)
     std::unique_lock lock(mutex_);
     const auto idle = [&] { return !running_ && !next_; };
     while (!idle()) {
-        if (cancel != nullptr && cancel->load())
+        if (is_cancelled(cancel))
             return false;
         changed_.wait_for(lock, std::chrono::milliseconds(2));
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/render/backend.h"
 #include "lumisweep/render/session_limits.h"
@@ -173,7 +174,7 @@ PassEnd Session::render_pass(const std::atomic<bool>* cancel)
                 return PassEnd::cancelled;
         }
     }
-    if (cancel != nullptr && cancel->load())
+    if (is_cancelled(cancel))
         return PassEnd::cancelled;
     return s.render_pass(cancel);
 }

@@ -4,6 +4,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/memory.h"
 #include "lumisweep/base/stopwatch.h"
 #include "lumisweep/render/backend.h"
@@ -201,14 +202,14 @@ bool Session::State::sweep_now(const std::atomic<bool>* cancel)
                               ExtinctionLayouts::with_transposed, cancel);
         ++stats.classifications;
     }
-    if (cancel != nullptr && cancel->load())
+    if (is_cancelled(cancel))
         return false;
     const Stopwatch watch(stats.sweep_s);
     fit_visibility();
     stats.last_sweep = sweep_visibility(visibility->settled(), extinction, settings, {}, cancel);
     ++stats.sweeps;
     stats.visibility_bytes = visibility->bytes();
-    if (cancel != nullptr && cancel->load())
+    if (is_cancelled(cancel))
         return false;
     stale_visibility = false;
     stale_joint = true;

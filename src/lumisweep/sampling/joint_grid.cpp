@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/sampling/joint_values.h"
@@ -99,10 +100,10 @@ bool JointGrid::build(const VisibilityGrid& visibility, Vec3i volume_size, const
     work.root = root_.data();
     work.stores = nodes_.bytes() > streamed_bytes ? JointStores::streaming : JointStores::cached;
     parallel_for(std::size_t{0}, (cell_count + cells_a_piece - 1) / cells_a_piece, [&](std::size_t piece) {
-        if (cancel == nullptr || !cancel->load(std::memory_order_relaxed))
+        if (!is_cancelled(cancel))
             kernel.build(work, piece * cells_a_piece, std::min((piece + 1) * cells_a_piece, cell_count));
     });
-    return cancel == nullptr || !cancel->load(std::memory_order_relaxed);
+    return !is_cancelled(cancel);
 }
 
 JointView JointGrid::view() const

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/math/morton.h"
@@ -76,7 +77,7 @@ VisibilityGrid grid_of(Vec3i volume_size, int voxels_per_cell, int directions_pe
     parallel_for(0, grid.direction_count(), [&](int d) {
         const Vec3d w_world = texel_direction(d, directions_per_side);
         for (int k = 0; k < grid.cells().z; ++k)
-            for (int j = 0; j < grid.cells().y && (cancel == nullptr || !cancel->load()); ++j)
+            for (int j = 0; j < grid.cells().y && !is_cancelled(cancel); ++j)
                 for (int i = 0; i < grid.cells().x; ++i) {
                     const double v = transmittance(Vec3d{i + 0.5, j + 0.5, k + 0.5} * side, w_world);
                     grid.direction(d)[grid.cell_index(i, j, k)] = static_cast<std::uint8_t>(std::lround(v * 255.0));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/visibility/classify_block.h"
 #include "lumisweep/visibility/classify_setup.h"
@@ -49,16 +50,15 @@ bool classify_blocks(ClassifyBlock block, const ClassifyJob& job, const std::ato
     // A row of finest voxels in whole vectors or in whole level voxels (halved twice at most).
     const int row = std::max((job.volume_size.x + 15) / 16 * 16, job.size.x << std::min(job.mip_level, 2));
     const int blocks = blocks_of(job.size);
-    const auto cancelled = [&] { return cancel != nullptr && cancel->load(std::memory_order_relaxed); };
     parallel_for(0, job.size.z * blocks, [&](int task) {
-        if (cancelled())
+        if (is_cancelled(cancel))
             return;
         AlignedArray<std::int32_t> steps(2 * static_cast<std::size_t>(row));
         AlignedArray<std::uint64_t> sums(static_cast<std::size_t>(job.size.x));
         AlignedArray<std::uint8_t> lines(64 * scratch_line, Contents::uninitialised);
         block(job, task / blocks, task % blocks * classify_block_rows, {steps.data(), sums.data(), lines.data()});
     });
-    return !cancelled();
+    return !is_cancelled(cancel);
 }
 
 /// Joins what the blocks of a slice found along y, [block][line], to [line].

@@ -11,6 +11,7 @@
 #include <tbb/task_arena.h>
 
 #include "lumisweep/base/aligned.h"
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/base/stopwatch.h"
@@ -40,8 +41,6 @@ void check(const VisibilityGrid& grid, const ExtinctionGrid& extinction, const V
         require(d >= 0 && d < grid.direction_count(), "visibility sweep: direction {} is not in 0 to {}", d,
                 grid.direction_count() - 1);
 }
-
-bool cancelled(const std::atomic<bool>* cancel) { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
 
 int threads_of_arena() { return tbb::this_task_arena::max_concurrency(); }
 
@@ -91,7 +90,7 @@ private:
             if (planes_.size() < group.size())
                 planes_.resize(group.size());
             for (std::size_t i = 0; i < group.size(); ++i) {
-                if (cancelled(cancel_)) // many planes with many small cells take tens of milliseconds
+                if (is_cancelled(cancel_)) // many planes with many small cells take tens of milliseconds
                     return false;
                 planes_[i].start(level_, group[i].w_world);
             }
@@ -106,7 +105,7 @@ private:
         const std::size_t cells = grid.cell_count();
         std::vector<AlignedArray<std::uint16_t>> sums;
         for (std::size_t i = 0; i < directions.size(); ++i) {
-            if (cancelled(cancel_)) // setting the sums of many small cells to zero takes tens of milliseconds
+            if (is_cancelled(cancel_)) // setting the sums of many small cells to zero takes tens of milliseconds
                 return;
             sums.emplace_back(cells);
         }
@@ -131,7 +130,7 @@ private:
             }
         }
         const int lines = lines_per_texel_;
-        for (std::size_t i = 0; i < directions.size() && !cancelled(cancel_); ++i)
+        for (std::size_t i = 0; i < directions.size() && !is_cancelled(cancel_); ++i)
             std::transform(sums[i].begin(), sums[i].end(), grid.direction(directions[i]),
                            [&](std::uint16_t sum) { return static_cast<std::uint8_t>((sum + lines / 2) / lines); });
     }
@@ -206,7 +205,7 @@ SweepStats sweep_visibility_with(const SweepKernels& kernels, VisibilityGrid& gr
     tbb::enumerable_thread_specific<Worker> worker_of_thread(
         [&] { return Worker(kernels, marched, settings, cancel); });
     parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
-        if (cancelled(cancel))
+        if (is_cancelled(cancel))
             return;
         if (extinction.scale > 0.0F)
             worker_of_thread.local().run(tasks[i], grid);

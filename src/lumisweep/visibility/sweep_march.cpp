@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/stopwatch.h"
 
 namespace lumisweep {
@@ -68,7 +69,7 @@ bool GroupMarch::march_strips(std::span<RayPlane> planes, SweepStats& stats)
         for (int slab = 0; slab <= cells_w; ++slab) {
             const std::size_t pieces = planes.front().slab(slab).size(); // the same of all
             for (std::size_t first = 0; first < pieces; first += march_slices) {
-                if (cancelled())
+                if (is_cancelled(cancel_))
                     return false;
                 {
                     const ProcessorStopwatch watch(stats.layout_s);
@@ -83,7 +84,7 @@ bool GroupMarch::march_strips(std::span<RayPlane> planes, SweepStats& stats)
                 continue;
             const ProcessorStopwatch watch(stats.lookup_s);
             for (RayPlane& plane : planes) {
-                if (cancelled()) // the first stores to a plane's fresh memory take milliseconds
+                if (is_cancelled(cancel_)) // the first stores to a plane's fresh memory take milliseconds
                     return false;
                 for (int row = strip.first_cell; row < strip.last_cell; ++row) {
                     plane.look_up(kernels_, slab, row, tau_.data());

@@ -26,7 +26,6 @@ public:
     bool run(std::span<RayPlane> planes, SweepStats& stats);
 
 private:
-    bool cancelled() const { return cancel_ != nullptr && cancel_->load(std::memory_order_relaxed); }
     struct Strip {
         int first_cell, last_cell; ///< rows of cells
         bool lowest, highest;

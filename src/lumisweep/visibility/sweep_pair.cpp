@@ -1,5 +1,6 @@
 #include "lumisweep/visibility/sweep_pair.h"
 
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/stopwatch.h"
 #include "lumisweep/visibility/sweep_box.h"
 #include "lumisweep/visibility/sweep_optics.h"
@@ -58,7 +59,7 @@ bool PairVisibility::write(RayPlane& plane, std::uint8_t* towards_low, std::uint
     low_ = towards_low;
     high_ = towards_high;
     for (int w = 0; w < cells_w_; ++w) {
-        if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed)) {
+        if (is_cancelled(cancel_)) {
             kernels_.finish_stores();
             return false;
         }

@@ -7,6 +7,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "lumisweep/backends/cpu/tile.h"
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/error.h"
 #include "lumisweep/base/parallel.h"
 #include "lumisweep/render/backend.h"
@@ -53,8 +54,7 @@ public:
         tbb::enumerable_thread_specific<PassCounts> thread_counts;
         std::atomic<bool> stopped = false;
         parallel_for(0, columns * rows, [&](int t) {
-            if (stopped.load(std::memory_order_relaxed) ||
-                (cancel != nullptr && cancel->load(std::memory_order_relaxed))) {
+            if (stopped.load(std::memory_order_relaxed) || is_cancelled(cancel)) {
                 stopped.store(true, std::memory_order_relaxed);
                 return;
             }

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/visibility/sweep_filter.h"
 
 namespace lumisweep::LUMISWEEP_CUDA {
@@ -103,9 +104,8 @@ bool DeviceSweep::sweep(DeviceVisibility& grid, const DeviceExtinction& extincti
                         const Stream& stream, const std::atomic<bool>* cancel)
 {
     check_sweep(grid.cells, grid.directions_per_side, extinction.volume_size, extinction.mip_level, settings);
-    const auto cancelled = [&] { return cancel != nullptr && cancel->load(std::memory_order_relaxed); };
     voxel_steps_ = 0;
-    if (cancelled())
+    if (is_cancelled(cancel))
         return false;
     if (!(extinction.scale > 0.0F)) {
         fill_on_device(grid.stored.data(), 255, grid.stored.bytes(), stream);
@@ -119,7 +119,7 @@ bool DeviceSweep::sweep(DeviceVisibility& grid, const DeviceExtinction& extincti
         Event& end = batch_ends_[batch % 2];
         if (cancel != nullptr && batch >= 2)
             end.wait();
-        if (cancelled())
+        if (is_cancelled(cancel))
             return false;
         sweep_batch(grid, extinction, first_line, stream);
         end.record(stream);

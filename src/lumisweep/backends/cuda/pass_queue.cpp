@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "lumisweep/base/cancelled.h"
+
 namespace lumisweep::LUMISWEEP_CUDA {
 
 namespace {
@@ -76,7 +78,7 @@ FilmSums PassQueue::sums()
 PassEnd PassQueue::take(const SceneView& scene, std::int64_t sample, const std::atomic<bool>* cancel,
                         const Stream& stream)
 {
-    if (cancel != nullptr && cancel->load(std::memory_order_relaxed))
+    if (is_cancelled(cancel))
         return PassEnd::cancelled;
     if (empty_) {
         take_memory(stream);
@@ -112,7 +114,7 @@ PassEnd PassQueue::draw(const std::atomic<bool>* cancel, const Stream& stream)
     const std::uint32_t numbers = batch_.numbers_a_sample() * static_cast<std::uint32_t>(count);
     for (std::uint32_t begin = 0; begin < numbers;) {
         // Batches of several passes take one launch and are not given up: their passes count as drawn.
-        if (count == 1 && cancel != nullptr && cancel->load(std::memory_order_relaxed))
+        if (count == 1 && is_cancelled(cancel))
             return PassEnd::cancelled;
         const std::uint32_t end = begin + std::min(numbers - begin, paths_a_launch_);
         fill_on_device(&counters_.data()->next, 0, sizeof(std::uint32_t), stream);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "lumisweep/base/cancelled.h"
 #include "lumisweep/base/parallel.h"
 
 namespace lumisweep::LUMISWEEP_CUDA {
@@ -40,7 +41,7 @@ bool StagedCopy::upload(void* to, const void* from, std::size_t bytes, const Str
         copy_in_pieces(stage_[which].data(), static_cast<const std::byte*>(from) + at, count);
         copy_to_device(static_cast<std::byte*>(to) + at, stage_[which].data(), count, stream);
         passed_[which].record(stream);
-        cancelled = cancel != nullptr && cancel->load(std::memory_order_relaxed);
+        cancelled = is_cancelled(cancel);
     }
     stream.wait();
     return !cancelled;
